@@ -1,0 +1,207 @@
+"""One robot's mind, without any I/O: plans and ticks in, a plan and a command out.
+
+The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
+"""
+
+import struct
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from agents.belief import Belief
+from agents.controllers import controller_for
+from agents.nash import Game
+from agents.situation import Pair, Situation, Solution
+from formation import unicycle
+from formation.arrays import FloatArray
+from formation.errors import WireError
+from formation.faults import Fault
+from formation.pattern import upstream
+from formation.scenario import Scenario
+from network.codec import decode, encode, seal, unseal
+from network.link import Link
+from network.messages import Command, LinkCounts, Plan, Status
+
+STATUS_EVERY = 0.1
+"""Simulated time between two statuses [s]."""
+REMEMBERED_COMMANDS = 1024
+"""Own commands kept to carry an old pose forward; 10 s at 100 Hz."""
+
+_PERFECT = Fault()
+_POSE = struct.Struct("<3d")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What an agent says at a tick."""
+
+    command: Command
+    plan: bytes | None
+    """The encoded Plan, on a planning tick."""
+
+
+class Agent:
+    """The mind of one robot for one flight."""
+
+    def __init__(self, scenario: Scenario, robot: int, *, epoch: int = 0) -> None:
+        """An agent at the start of a flight.
+
+        Args:
+            scenario: what is flown.
+            robot: its number, from 1.
+            epoch: put into every message; plans with another one are not for this flight.
+        """
+        self.robot, self.epoch = robot, epoch
+        self.upstream = upstream(robot, scenario.size)
+        self.planning = scenario.controller.plan_every
+        self._pair = Pair(scenario, robot)
+        self._game = Game(scenario, robot, self._pair)
+        self._controller = controller_for(scenario, robot, self._pair)
+        self._ages = scenario.controller.age_plans
+        if self._ages is None:
+            self._ages = scenario.controller.name == "nash"
+        self._belief = Belief()
+        self._plans = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
+        self._poses = Link(scenario.seed, "world", str(robot))
+        self._pose: tuple[int, FloatArray] | None = None
+        self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
+        self._last: tuple[int, Solution, FloatArray] | None = None
+        self._heard = -1
+        self._corrupt = 0
+        self._solves: list[float] = []
+        self._status_ticks = max(1, round(STATUS_EVERY / scenario.control_interval))
+
+    def set_faults(self, faults: Mapping[str, Fault]) -> None:
+        """Which faults the links to this robot have from now on; a link that is not named is perfect."""
+        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", _PERFECT)
+        self._poses.fault = faults.get(f"world->{self.robot}", _PERFECT)
+
+    def receive(self, plan: Plan, payload: bytes) -> None:
+        """A plan of the upstream neighbour came in physically; its bytes now enter the faulty link.
+
+        A plan of another flight, of somebody else, or one that was there before is ignored.
+        """
+        if plan.epoch == self.epoch and plan.sender == self.upstream and plan.seq > self._heard:
+            self._heard = plan.seq
+            self._plans.push(plan.seq, plan.stamp, payload)
+
+    def step(self, k: int, stamp: float, pose: FloatArray) -> Answer:
+        """Answer tick k.
+
+        Args:
+            k: number of the tick; grows from call to call.
+            stamp: its simulated time [s].
+            pose: (3,) measured at this tick [m, m, rad].
+        """
+        for arrival in self._plans.pop(stamp):
+            try:
+                self._belief.receive(decode(Plan, arrival.payload))
+            except WireError:
+                self._corrupt += 1
+        age = self._belief.seconds_old(stamp)
+        own = self._own_pose(k, stamp, pose)
+        if own is None:  # who does not know where it is does not move
+            return Answer(Command(self.robot, k, stamp, self.epoch, 0.0, 0.0, age, False, 0.0), None)
+        payload = None
+        solve = 0.0
+        if k % self.planning == 0 or self._last is None:
+            began = perf_counter()
+            solution = self._plan(k, stamp, own)
+            solve = perf_counter() - began
+            self._solves.append(solve)
+            payload = encode(
+                Plan(
+                    sender=self.robot,
+                    seq=k,
+                    stamp=stamp,
+                    epoch=self.epoch,
+                    pose=own,
+                    interval=self._pair.interval,
+                    inputs=solution.inputs,
+                )
+            )
+        v, omega = self._input(k)
+        self._commands.append((k, v, omega))
+        return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, payload is not None, solve), payload)
+
+    def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0, last: bool = False) -> Status | None:
+        """How it is doing; None between two statuses, unless this is the last tick."""
+        if k % self._status_ticks and not last:
+            return None
+        solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
+        self._solves.clear()
+        return Status(
+            sender=self.robot,
+            seq=k,
+            stamp=stamp,
+            epoch=self.epoch,
+            link=f"{self.upstream}->{self.robot}",
+            age=self._belief.seconds_old(stamp),
+            belief=self._belief.plan.seq if self._belief.plan else -1,
+            counts=self.counts(),
+            solve=solve,
+            missed=missed,
+            gap=self._gap(k, stamp),
+            rejected=rejected,
+            pid=pid,
+        )
+
+    def counts(self) -> LinkCounts:
+        """What became of the plans sent to this robot."""
+        counts = self._plans.counts
+        return LinkCounts(
+            sent=counts.sent,
+            delivered=counts.delivered,
+            lost=counts.lost,
+            late=self._belief.late,
+            corrupt=self._corrupt,
+            duplicated=counts.duplicated,
+            in_flight=counts.in_flight,
+        )
+
+    def _plan(self, k: int, stamp: float, own: FloatArray) -> Solution:
+        slot, tail = self._pair.slot(k, 1)
+        aged = self._belief.aged(stamp, slot, tail) if self._ages else self._belief.as_if_fresh(slot, tail)
+        solution = self._controller.plan(Situation(k, own, aged))
+        self._last = (k, solution, own)
+        return solution
+
+    def _input(self, k: int) -> tuple[float, float]:
+        """The input of the last plan for tick k."""
+        assert self._last is not None
+        made, solution, _ = self._last
+        inputs = solution.inputs
+        j = min((k - made) // self._pair.stride, len(inputs) - 1)
+        return float(inputs[j, 0]), float(inputs[j, 1])
+
+    def _own_pose(self, k: int, stamp: float, measured: FloatArray) -> FloatArray | None:
+        """Where the robot is: the newest pose that came through, carried forward along the own commands."""
+        if self._poses.fault == _PERFECT and self._poses.counts.in_flight == 0:
+            self._pose = (k, measured)
+            return measured
+        self._poses.push(k, stamp, seal(_POSE.pack(*measured)))
+        for arrival in self._poses.pop(stamp):
+            if self._pose is None or arrival.seq > self._pose[0]:
+                try:
+                    self._pose = (arrival.seq, np.array(_POSE.unpack(unseal(arrival.payload))))
+                except WireError:
+                    self._corrupt += 1
+        if self._pose is None:
+            return None
+        x, y, theta = self._pose[1]
+        for at, v, omega in self._commands:
+            if at >= self._pose[0]:
+                x, y, theta = unicycle.step(x, y, theta, v, omega, self._pair.tick)
+        return np.array([x, y, theta])
+
+    def _gap(self, k: int, stamp: float) -> float:
+        if self._last is None or self._last[0] != k:
+            return 0.0
+        _, solution, own = self._last
+        slot, tail = self._pair.slot(k, 1)
+        other = self._belief.aged(stamp, slot, tail)
+        poses = np.concatenate([own, other.pose])
+        return self._game.gap(k, poses, np.hstack([solution.inputs, other.inputs]))

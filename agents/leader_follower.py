@@ -1,0 +1,48 @@
+"""Controller `leader_follower`: the paper's baseline (section 4, after Chen et al. 2010), erratum 11 mended.
+
+Robot 1 leads; every other robot steers to its place beside the robot whose plan it receives.
+"""
+
+import math
+
+import numpy as np
+
+from agents.nash import Nash
+from agents.situation import Pair, Situation, Solution
+from formation.pattern import rotate
+from formation.scenario import Scenario
+from formation.unicycle import wrap
+
+
+class Follower:
+    """A Lyapunov-based law: the leader's own velocity, corrected by the place's error in the follower's frame."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        self._pair = pair
+        self._gain_x, self._gain_theta = scenario.controller.gains
+        self._place = pair.offset - pair.offset_upstream
+
+    def plan(self, situation: Situation) -> Solution:
+        leader, pose = situation.upstream, situation.pose
+        v_l, omega_l = (float(leader.inputs[0, 0]), float(leader.inputs[0, 1])) if leader.plan else (0.0, 0.0)
+        theta_l = float(leader.pose[2])
+        gap = leader.pose[:2] + rotate(np.array(theta_l), self._place) - pose[:2]
+        e_x, e_y = rotate(np.array(-pose[2]), gap)
+        e_theta = wrap(theta_l - float(pose[2]))
+        ratio = math.sin(e_theta) / e_theta if abs(e_theta) > 1e-9 else 1.0
+        v = v_l * math.cos(e_theta) + self._gain_x * float(e_x)
+        omega = omega_l + self._gain_theta * e_theta + v_l * float(e_y) * ratio
+        now = np.clip(np.array([v, omega]), -self._pair.limits, self._pair.limits)
+        return Solution(np.tile(now, (self._pair.horizon, 1)))
+
+
+class Leader:
+    """Robot 1: `nash` with a neighbour that is always in its slot, so that nobody holds the leader back."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        self._pair, self._nash = pair, Nash(scenario, robot, pair)
+
+    def plan(self, situation: Situation) -> Solution:
+        slot, tail = self._pair.slot(situation.k, 1)
+        alone = type(situation.upstream)(slot, tail, None)
+        return self._nash.plan(Situation(situation.k, situation.pose, alone))

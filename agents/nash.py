@@ -1,0 +1,124 @@
+"""Controller `nash`: robot i plays the pair's game on the exact model, and its own part of the equilibrium.
+
+THEORY section 5. One Gauss-Newton step per plan, warm-started from the own last plan and the aged plan of the
+neighbour; both players are improved, only the own half is kept and sent.
+"""
+
+import math
+
+import numpy as np
+
+from agents.kernels import shift
+from agents.nash_kernel import cost, improve
+from agents.situation import Pair, Situation, Solution
+from formation.arrays import FloatArray
+from formation.scenario import Scenario
+
+Q = (1.0, 1.0, 0.01, 1.0, 0.01, 0.01)
+"""Centre, centre, mean heading, radial, tangential, half-difference of headings (THEORY section 5)."""
+R = (0.01, 0.01)
+FROZEN = 1e12
+"""Weight on the neighbour's inputs that keeps them as they are, for a best response to its plan."""
+
+
+class Game:
+    """The pair's game: its costs, and steps towards its equilibrium."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        own = scenario.controller if scenario.controller.name == "nash" else None
+        q, r = (own.q if own else None) or Q, (own.r if own else None) or R
+        self._pair = pair
+        self._q, self._r = np.array(q, dtype=float), np.array([*r, *r], dtype=float)
+        self._r_frozen = np.array([*r, FROZEN, FROZEN])
+
+    def improve(self, k: int, poses: FloatArray, inputs: FloatArray) -> tuple[FloatArray, float]:
+        """Inputs (N, 4) of both players after one step from `inputs`, and the largest change (NaN: it failed)."""
+        return self._improve(k, poses, inputs, self._r, None)
+
+    def gap(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
+        """Nash gap of the robot: how much it could lower J_i alone, given the neighbour's inputs (THEORY section 6).
+
+        Args:
+            k: tick.
+            poses: (6,) of robot i and its neighbour.
+            inputs: (N, 4) that both play.
+        """
+        block, row = self._pair.block(k)
+        frozen_targets = block.inputs.copy()
+        frozen_targets[row : row + len(inputs) * self._pair.stride : self._pair.stride, 1] = inputs[:, 2:]
+        best = inputs
+        for _ in range(3):
+            best, change = self._improve(k, poses, best, self._r_frozen, frozen_targets)
+            if not math.isfinite(change):
+                return 0.0
+        best = np.hstack([best[:, :2], inputs[:, 2:]])
+        return max(0.0, self._cost(k, poses, inputs) - self._cost(k, poses, best))
+
+    def _improve(
+        self, k: int, poses: FloatArray, inputs: FloatArray, r: FloatArray, targets: FloatArray | None
+    ) -> tuple[FloatArray, float]:
+        pair = self._pair
+        block, row = pair.block(k)
+        out = np.empty_like(inputs)
+        change = improve(
+            poses,
+            inputs,
+            block.slots,
+            block.inputs if targets is None else targets,
+            pair.psi,
+            row,
+            pair.stride,
+            pair.interval,
+            pair.distance,
+            self._q,
+            r,
+            pair.limits,
+            out,
+        )
+        return out, change
+
+    def _cost(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
+        pair = self._pair
+        block, row = pair.block(k)
+        return float(
+            cost(
+                poses,
+                inputs,
+                block.slots,
+                block.inputs,
+                pair.psi,
+                row,
+                pair.stride,
+                pair.interval,
+                pair.distance,
+                self._q,
+                self._r,
+            )
+        )
+
+
+class Nash:
+    """The controller of one robot."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        self._pair, self._game = pair, Game(scenario, robot, pair)
+        self._last: tuple[int, FloatArray] | None = None
+
+    def plan(self, situation: Situation) -> Solution:
+        pair, k = self._pair, situation.k
+        _, target = pair.slot(k, 0)
+        nominal = np.empty((pair.horizon, 4))
+        if self._last is None:
+            nominal[:, :2] = target
+        else:
+            made, inputs = self._last
+            shift(inputs, (k - made) * pair.tick, pair.interval, target, nominal[:, :2])
+        nominal[:, 2:] = situation.upstream.inputs
+        poses = np.concatenate([situation.pose, situation.upstream.pose])
+        inputs, change = self._game.improve(k, poses, nominal)
+        converged = math.isfinite(change)
+        own = np.ascontiguousarray((inputs if converged else nominal)[:, :2])
+        if not converged:
+            own = np.clip(np.nan_to_num(own), -pair.limits, pair.limits)
+        self._last = (k, own)
+        return Solution(own, converged)

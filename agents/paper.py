@@ -1,0 +1,63 @@
+"""Controller `paper`: section 3.2 of the paper as printed; `controller.errata` mends it item by item.
+
+Of the twelve errata (THEORY section 3), 1 to 7 change what this controller does. 8, 9, 10 and 12 are about start
+poses, the spiral's path, a misprinted Q and a proof; 11 is the leader-follower's.
+"""
+
+import math
+
+import numpy as np
+
+from agents.paper_kernel import plan
+from agents.situation import Pair, Situation, Solution
+from formation.arrays import FloatArray
+from formation.scenario import Scenario
+
+Q_TWO = (0.1, 0.1, 0.1, 0.5, 0.001)
+Q_MORE = (0.1, 0.1, 0.1, 0.2, 0.01)
+R = (0.1, 0.1)
+
+
+class Paper:
+    """The controller of one robot."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        own = scenario.controller
+        self._pair = pair
+        self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
+        self._r = np.array(own.r or R, dtype=float)
+        self._mended = np.zeros(13, dtype=bool)
+        self._mended[own.errata] = True
+        self._centre = np.array(pair.centre)
+        if not self._mended[6] and scenario.formation.shape == "triangle":
+            self._centre = np.full(2, math.sqrt(3.0) / 6.0 * pair.distance)
+        self._mirrored = not self._mended[7] and scenario.formation.shape == "line" and (scenario.size, robot) == (2, 2)
+        self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero
+
+    def plan(self, situation: Situation) -> Solution:
+        pair = self._pair
+        block, row = pair.block(situation.k)
+        ahead = slice(row, row + pair.horizon * pair.stride + 1, pair.stride)
+        ref = block.centre[ahead]
+        psi_r = -ref[:, 2] if self._mirrored else ref[:, 2] + pair.angle
+        out = np.empty((pair.horizon, 2))
+        received = situation.upstream.inputs if situation.upstream.plan else np.zeros((pair.horizon, 2))
+        plan(
+            situation.pose,
+            self._last,
+            situation.upstream.pose,
+            received,
+            ref,
+            psi_r,
+            pair.distance,
+            self._centre,
+            pair.interval,
+            self._q,
+            self._r,
+            pair.limits,
+            self._mended,
+            out,
+        )
+        converged = bool(np.isfinite(out).all())
+        self._last = out if converged else np.zeros_like(out)
+        return Solution(self._last, converged)

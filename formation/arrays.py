@@ -1,0 +1,13 @@
+"""The array type of the project: float64, little-endian where it meets the wire, read-only where it is a value."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def frozen(values: ArrayLike) -> FloatArray:
+    """A read-only, contiguous float64 copy."""
+    array = np.array(values, dtype=np.float64, order="C")
+    array.flags.writeable = False
+    return array

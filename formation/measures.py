@@ -1,0 +1,63 @@
+"""How far a formation is from what it should be: pattern errors, tracking error, the paper's error state."""
+
+import math
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.pattern import Pattern, rotate
+from formation.unicycle import wrap
+
+
+def wrapped(angles: FloatArray) -> FloatArray:
+    """The same angles in (-pi, pi] [rad]."""
+    return np.arctan2(np.sin(angles), np.cos(angles))
+
+
+def pattern_errors(poses: FloatArray, pattern: Pattern, theta_r: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance and angle errors of every pair: l_e = l_r - l [m] and psi_e = psi_r - psi [rad] (section 2.1).
+
+    Args:
+        poses: (..., n, 3) poses of all robots.
+        pattern: the pattern of n pairs.
+        theta_r: (...) heading of the reference path [rad].
+
+    Returns:
+        l_e and psi_e, each (..., n).
+    """
+    other = np.roll(poses, 1, axis=-2)
+    dx, dy = poses[..., 0] - other[..., 0], poses[..., 1] - other[..., 1]
+    angle = theta_r[..., None] + pattern.angle - np.arctan2(dx, -dy)
+    return pattern.distance - np.hypot(dx, dy), wrapped(angle)
+
+
+def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:
+    """Distance (...) of the robots' mean position to the reference point (..., 2) [m]."""
+    gap = poses[..., :2].mean(axis=-2) - centre
+    return np.hypot(gap[..., 0], gap[..., 1])
+
+
+def error_state(
+    own: FloatArray,
+    other: FloatArray,
+    reference: FloatArray,
+    distance: float,
+    psi_r: float,
+    virtual_centre: FloatArray,
+) -> FloatArray:
+    """The paper's error state z = (x_e, y_e, theta_e, l_e, psi_e) of one pair (section 2.1).
+
+    Args:
+        own, other: poses (3,) of robot i and of its upstream neighbour -i.
+        reference: (3,) x_r, y_r, theta_r of the formation's centre.
+        distance: l_r [m].
+        psi_r: psi_r at this time [rad].
+        virtual_centre: p_v^O (2,) [m].
+    """
+    pair = (own[:2] + other[:2]) / 2.0
+    theta_c = (own[2] + other[2]) / 2.0
+    psi = math.atan2(own[0] - other[0], other[1] - own[1])
+    gap = reference[:2] - (pair + rotate(np.array(psi), virtual_centre))
+    x_e, y_e = rotate(np.array(-theta_c), gap)
+    length = math.hypot(own[0] - other[0], own[1] - other[1])
+    return np.array([x_e, y_e, wrap(reference[2] - theta_c), distance - length, wrap(psi_r - psi)])

@@ -1,0 +1,100 @@
+"""Formations: offsets of the robots in the body frame, the ring between them, and the pattern of each pair.
+
+Robots are numbered from 1; row i - 1 of every array belongs to robot i. Robot i listens to its upstream
+neighbour i - 1, robot 1 to the last (Assumption 1 and fig. 1 of the paper).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from formation.arrays import FloatArray, frozen
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """What every pair (robot i, its upstream neighbour -i) shall keep; row i - 1 is that of robot i."""
+
+    distance: FloatArray
+    """(n,) l_r: distance to the upstream neighbour [m]."""
+    angle: FloatArray
+    """(n,) psi_offset: psi_r(t) = theta_r(t) + psi_offset [rad]."""
+    centre: FloatArray
+    """(n, 2) p_v^O: the formation's centre seen from the pair's, in the frame O of the pair [m]."""
+
+
+def upstream(robot: int, robots: int) -> int:
+    """The number of the robot that `robot` listens to."""
+    return (robot - 2) % robots + 1
+
+
+def downstream(robot: int, robots: int) -> int:
+    """The number of the robot that listens to `robot`."""
+    return robot % robots + 1
+
+
+def pattern(offsets: FloatArray) -> Pattern:
+    """Pattern of every pair, from offsets (n, 2) in the body frame (x forward, y left, mean zero) [m].
+
+    d = o_-i - o_i;  l_r = |d|;  psi_offset = atan2(-d_x, d_y);  p_v^O = Rot(psi_offset)^T (-(o_i + o_-i)/2).
+    """
+    other = np.roll(offsets, 1, axis=0)
+    d = other - offsets
+    angle = np.arctan2(-d[:, 0], d[:, 1])
+    middle = -(offsets + other) / 2.0
+    c, s = np.cos(angle), np.sin(angle)
+    centre = np.stack([c * middle[:, 0] + s * middle[:, 1], -s * middle[:, 0] + c * middle[:, 1]], axis=1)
+    return Pattern(frozen(np.hypot(d[:, 0], d[:, 1])), frozen(angle), frozen(centre))
+
+
+def rotate(angle: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Rot(angle) vectors: angle of shape (...), vectors of shape (..., 2), broadcast against each other."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def line(robots: int, spacing: float) -> FloatArray:
+    """Side by side across the path, robot 1 rightmost (the paper's "in-line" formation of two)."""
+    y = spacing * (np.arange(robots) - (robots - 1) / 2.0)
+    return np.stack([np.zeros(robots), y], axis=1)
+
+
+def column(robots: int, spacing: float) -> FloatArray:
+    """One behind the other along the path, robot 1 first."""
+    x = -spacing * (np.arange(robots) - (robots - 1) / 2.0)
+    return np.stack([x, np.zeros(robots)], axis=1)
+
+
+def polygon(robots: int, spacing: float) -> FloatArray:
+    """Corners of a regular polygon with side `spacing`, counter-clockwise, robot 1 in front."""
+    around = 2.0 * math.pi * np.arange(robots) / robots
+    radius = spacing / (2.0 * math.sin(math.pi / robots))
+    return radius * np.stack([np.cos(around), np.sin(around)], axis=1)
+
+
+def square(robots: int, spacing: float) -> FloatArray:
+    """A square whose sides are along and across the path, robot 1 front left."""
+    return rotate(np.array(math.pi / 4.0), polygon(robots, spacing))
+
+
+def wedge(robots: int, spacing: float) -> FloatArray:
+    """A V with its point in front and a right angle between its arms, robot 1 at the right end."""
+    arm = np.arange(robots) - (robots - 1) / 2.0
+    offsets = spacing * math.sqrt(0.5) * np.stack([-np.abs(arm), arm], axis=1)
+    return np.asarray(offsets - offsets.mean(axis=0))
+
+
+SHAPES = {
+    "line": line,
+    "column": column,
+    "triangle": polygon,
+    "square": square,
+    "polygon": polygon,
+    "wedge": wedge,
+}
+"""Shape by name: a function of (robots, spacing) that returns offsets (n, 2) [m] with mean zero."""
+
+FIXED_SIZES = {"triangle": 3, "square": 4}
+"""Shapes whose name says how many robots they have."""

@@ -1,0 +1,80 @@
+"""Validation errors as one line each: the key's path, what was expected, what was got."""
+
+import types
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from formation.errors import unknown
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+
+
+def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
+    """One line per mistake in what was to become a `model`."""
+    return [_line(dict(item), model) for item in error.errors(include_url=False)]
+
+
+def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
+    names, owner = _walk(item["loc"], model)
+    key = ".".join(names) or "file"
+    kind, context, got = item["type"], item.get("ctx", {}), item["input"]
+    if kind == "extra_forbidden":
+        return unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+    if kind == "missing":
+        return f"{key}: expected a value; got nothing"
+    if kind == "union_tag_not_found":
+        return f"{key}: expected a key {context['discriminator']}; got none"
+    if kind == "union_tag_invalid":
+        choices = [choice.strip(" '") for choice in context["expected_tags"].split(",")]
+        return unknown(f"{key}.{context['discriminator'].strip(chr(39))}", context["tag"], choices)
+    if kind == "literal_error":
+        choices = [c.strip("' ") for c in context["expected"].replace(" or ", ",").split(",")]
+        return unknown(key, str(got), choices)
+    if kind in _BOUNDS:
+        bound, words = _BOUNDS[kind]
+        return f"{key}: expected {words} {context[bound]:g}; got {got!r}"
+    if kind == "value_error":
+        return f"{key}: {context['error']}"
+    text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
+    return f"{key}: expected {text}; got {got!r}"
+
+
+def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
+    """Key names without the tags of unions, and the model that owns the last of them."""
+    names: list[str] = []
+    owner: type[BaseModel] | None = model
+    here: list[type[BaseModel]] = [model]
+    for part in location:
+        if isinstance(part, int):
+            names[-1:] = [f"{names[-1]}[{part}]"] if names else [f"[{part}]"]
+            continue
+        tagged = [m for m in here if len(here) > 1 and _tag(m) == part]
+        if tagged:
+            here = owner_models = tagged
+            owner = owner_models[0]
+            continue
+        owner = here[0] if here else None
+        names.append(part)
+        field = owner.model_fields.get(part) if owner else None
+        here = _models(field.annotation) if field else []
+    return names, owner
+
+
+def _tag(model: type[BaseModel]) -> str | None:
+    kind = model.model_fields.get("kind")
+    return get_args(kind.annotation)[0] if kind and get_args(kind.annotation) else None
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Every model that occurs in a type."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if get_origin(annotation) in (Union, types.UnionType, Annotated, list, tuple):
+        return [m for part in get_args(annotation) for m in _models(part)]
+    return []

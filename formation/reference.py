@@ -1,0 +1,103 @@
+"""The reference on the ticks of the control interval: the centre's path and every robot's feasible slot.
+
+A slot is p_r(t) + Rot(theta_r(t)) o_i. Its heading and input follow from its own motion, not the centre's, so
+that on a curve all errors can be zero at once (THEORY: feasible references). Tables are made a block of ticks at
+a time, because looking up a row is a thousand times cheaper than computing it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.measures import wrapped
+from formation.paths import Path, heading
+from formation.pattern import rotate
+
+BLOCK_TICKS = 2000
+"""Ticks per block: 20 s, computed in some milliseconds."""
+
+SLOW = 1e-3
+"""Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
+
+DERIVATIVE_STEP = 1e-4
+"""Half step [s] of the central difference for a slot's velocity; its error is far below a micrometre a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Rows of the reference for ticks first .. first + BLOCK_TICKS and one horizon more."""
+
+    first: int
+    centre: FloatArray
+    """(T, 5): x_r, y_r, theta_r, v_r, omega_r of the formation's centre [m, m, rad, m/s, rad/s]."""
+    slots: FloatArray
+    """(T, n, 3): pose of every robot's slot [m, m, rad]."""
+    inputs: FloatArray
+    """(T, n, 2): v, omega that take a slot's pose to that of one prediction interval later [m/s, rad/s]."""
+
+
+class Reference:
+    """The reference of some robots, by tick. `block(k)` holds every tick from k to the end of the horizon."""
+
+    def __init__(
+        self, path: Path, offsets: FloatArray, *, control_interval: float, stride: int, horizon: int
+    ) -> None:
+        """A reference for the robots with these offsets.
+
+        Args:
+            path: where the centre goes.
+            offsets: (n, 2) of the robots wanted, in the body frame [m].
+            control_interval: delta_t [s], the length of a tick.
+            stride: ticks in one prediction interval Delta_T.
+            horizon: N, prediction intervals that are looked ahead.
+        """
+        self._path, self._offsets = path, offsets
+        self._tick, self._stride, self._ahead = control_interval, stride, stride * horizon
+        self._block: Block | None = None
+
+    def block(self, k: int) -> Block:
+        """The block that holds ticks k .. k + stride * horizon."""
+        first = k - k % BLOCK_TICKS
+        if self._block is None or self._block.first != first:
+            self._block = self._rows(first, BLOCK_TICKS + self._ahead + 1)
+        return self._block
+
+    def _rows(self, first: int, count: int) -> Block:
+        interval = self._stride * self._tick
+        t = np.arange(first, first + count + self._stride) * self._tick
+        centre, theta = self._path.position(t), heading(self._path, t, interval)
+        moved = centre[self._stride :] - centre[: -self._stride]
+        turned = wrapped(theta[self._stride :] - theta[: -self._stride])
+        slots = self._slots(t, interval)
+        return Block(
+            first,
+            np.column_stack(
+                [centre[:count], theta[:count], np.hypot(moved[:, 0], moved[:, 1]) / interval, turned / interval]
+            ),
+            np.ascontiguousarray(slots[:count]),
+            _inputs(slots[: -self._stride], slots[self._stride :], interval),
+        )
+
+    def _slots(self, t: FloatArray, interval: float) -> FloatArray:
+        """Slot poses (T, n, 3) at times t."""
+
+        def positions(at: FloatArray) -> FloatArray:
+            theta = heading(self._path, at, interval)
+            return self._path.position(at)[:, None] + rotate(theta[:, None], self._offsets)
+
+        theta = heading(self._path, t, interval)[:, None]
+        velocity = (positions(t + DERIVATIVE_STEP) - positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
+        body = rotate(-theta, velocity)
+        # A slot that moves backwards keeps its nose within pi/2 of the path's heading and has v < 0.
+        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+        return np.concatenate([positions(t), (theta + drift)[..., None]], axis=-1)
+
+
+def _inputs(now: FloatArray, later: FloatArray, interval: float) -> FloatArray:
+    """Inputs (T, n, 2) whose arcs lead from slot poses `now` to slot poses `later`."""
+    turn = wrapped(later[..., 2] - now[..., 2])
+    middle = now[..., 2] + turn / 2.0
+    gap = later[..., :2] - now[..., :2]
+    along = np.cos(middle) * gap[..., 0] + np.sin(middle) * gap[..., 1]
+    return np.stack([along / np.sinc(turn / (2.0 * np.pi)), turn], axis=-1) / interval

@@ -1,0 +1,274 @@
+"""Scenario files: what is flown, by whom, with which faults and noise (DESIGN section 7)."""
+
+import copy
+import tomllib
+from collections.abc import Iterable
+from functools import cached_property
+from pathlib import Path as File
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
+
+from formation.arrays import FloatArray, frozen
+from formation.errors import FaultError, ScenarioError, unknown
+from formation.faults import Fault, ScheduledFault, links_named
+from formation.model import Duration, Model, NonNegative, Positive
+from formation.paths import AnyPath
+from formation.pattern import FIXED_SIZES, SHAPES, Pattern, pattern
+from formation.problems import problems
+from formation.reference import Reference
+
+MAX_ROBOTS = 64
+Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+ControllerName = Literal["nash", "paper", "leader_follower"]
+
+
+class Formation(Model):
+    """Where the robots stand in the body frame: by the name of a shape, or by offsets."""
+
+    shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
+    spacing: Positive = 0.1
+    """Distance between neighbours [m]."""
+    robots: Annotated[int, Field(ge=2, le=MAX_ROBOTS)] | None = None
+    offsets: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=MAX_ROBOTS)] | None = None
+    """[[x, y], ...], x forward and y left [m]; their mean becomes zero."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Formation":
+        if (self.shape is None) == (self.offsets is None):
+            raise ValueError("expected either shape or offsets")
+        if self.shape is not None:
+            fixed = FIXED_SIZES.get(self.shape)
+            if fixed is None and self.robots is None:
+                raise ValueError(f"expected robots = n for the shape {self.shape}")
+            if fixed is not None and self.robots not in (None, fixed):
+                raise ValueError(f"expected {fixed} robots for the shape {self.shape}; got {self.robots}")
+        elif self.robots not in (None, len(self.offsets or ())):
+            raise ValueError(f"expected as many offsets as robots; got {len(self.offsets or ())} and {self.robots}")
+        if np.any(pattern(self.array).distance < 1e-6):
+            raise ValueError("expected offsets that differ from their neighbour's in the ring")
+        return self
+
+    @cached_property
+    def array(self) -> FloatArray:
+        """Offsets (n, 2) with mean zero [m]."""
+        if self.shape is not None:
+            return frozen(SHAPES[self.shape](self.robots or FIXED_SIZES[self.shape], self.spacing))
+        given = np.array(self.offsets)
+        return frozen(given - given.mean(axis=0))
+
+
+class Limits(Model):
+    """What a robot can do: |v| <= v, |omega| <= omega."""
+
+    v: Positive = 0.5
+    """[m/s]."""
+    omega: Positive = 2.0
+    """[rad/s]."""
+
+
+class StartNoise(Model):
+    """Standard deviations of the start poses."""
+
+    position: NonNegative = 0.0
+    """[m], in x and in y."""
+    heading: NonNegative = 0.0
+    """[rad]."""
+
+
+class Robots(Model):
+    """The bodies: where they start and what they can do."""
+
+    poses: list[Triple] | None = None
+    """Start poses [m, m, rad]; in formation if absent."""
+    limits: Limits = Limits()
+    start_noise: StartNoise = StartNoise()
+
+
+class Noise(Model):
+    """What the prediction model does not know (THEORY section 5); n is standard normal."""
+
+    slip: NonNegative = 0.0
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n."""
+    gyro: NonNegative = 0.0
+    """Each tick gyro n is added to omega [rad/s]."""
+    position: NonNegative = 0.0
+    """Error of the measured x and y [m]."""
+    heading: NonNegative = 0.0
+    """Error of the measured heading [rad]."""
+
+
+class Controller(Model):
+    """How the agents think. Weights that are absent are the controller's own."""
+
+    name: ControllerName = "nash"
+    horizon: Annotated[int, Field(ge=2, le=100)] = 20
+    """N [prediction intervals]."""
+    prediction_interval: Positive = 0.1
+    """Delta_T [s]; a whole number of control intervals."""
+    plan_every: Annotated[int, Field(ge=1, le=100)] = 1
+    """Ticks from one plan to the next; in between the plan's own inputs are applied."""
+    age_plans: bool | None = None
+    """Roll a received plan forward to now (nash), or take it as if fresh (paper, leader_follower)."""
+    q: list[NonNegative] | None = None
+    """Diagonal of Q. nash: centre, centre, mean heading, radial, tangential, half-difference of headings;
+    paper: x_e, y_e, theta_e, l_e, psi_e."""
+    r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
+    """Diagonal of R: v, omega."""
+    errata: list[Annotated[int, Field(ge=1, le=12)]] = []
+    """Numbers of the errata (THEORY section 3) that are mended in `paper`; none by default."""
+    gains: tuple[Positive, Positive] = (0.1, 0.1)
+    """k_x and k_theta of `leader_follower`."""
+
+    @model_validator(mode="after")
+    def _weights(self) -> "Controller":
+        expected = {"nash": 6, "paper": 5}.get(self.name)
+        if self.q is not None and expected is not None and len(self.q) != expected:
+            raise ValueError(f"expected {expected} values in q for {self.name}; got {len(self.q)}")
+        return self
+
+
+class Scenario(Model):
+    """One flight, complete: with it, a seed and nothing else, a run can be repeated."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    source: str = ""
+    """Where it comes from."""
+    duration: Annotated[Duration, Field(gt=0.0)] = 60.0
+    """[s]."""
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    control_interval: Positive = 0.01
+    """delta_t, the length of a tick [s]."""
+    path: AnyPath
+    formation: Formation
+    robots: Robots = Robots()
+    noise: Noise = Noise()
+    controller: Controller = Controller()
+    link: Fault = Fault()
+    """What every link between robots does unless a fault says otherwise."""
+    faults: list[ScheduledFault] = []
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Scenario":
+        poses = self.robots.poses
+        if poses is not None and len(poses) != self.size:
+            raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
+        ratio = self.controller.prediction_interval / self.control_interval
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6:
+            raise ValueError(
+                "controller.prediction_interval: expected a whole number of control intervals "
+                f"({self.control_interval:g} s); got {self.controller.prediction_interval:g}"
+            )
+        for index, fault in enumerate(self.faults):
+            try:
+                links_named(fault.link, self.size)
+            except FaultError as error:
+                raise ValueError(f"faults[{index}].link: {error}") from None
+        return self
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self.formation.array)
+
+    @property
+    def ticks(self) -> int:
+        """Number of control intervals in the duration."""
+        return max(1, round(self.duration / self.control_interval))
+
+    @property
+    def stride(self) -> int:
+        """Ticks in one prediction interval."""
+        return round(self.controller.prediction_interval / self.control_interval)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """The pattern of every pair."""
+        return pattern(self.formation.array)
+
+    def reference(self, robots: Iterable[int] | None = None) -> Reference:
+        """The reference of these robots (numbers, from 1), or of all."""
+        rows = slice(None) if robots is None else [i - 1 for i in robots]
+        return Reference(
+            self.path,
+            self.formation.array[rows],
+            control_interval=self.control_interval,
+            stride=self.stride,
+            horizon=self.controller.horizon,
+        )
+
+    def start_poses(self) -> FloatArray:
+        """Poses (n, 3) at t = 0, with start noise drawn from the seed [m, m, rad]."""
+        poses = self.reference().block(0).slots[0] if self.robots.poses is None else np.array(self.robots.poses)
+        noise = self.robots.start_noise
+        spread = np.array([noise.position, noise.position, noise.heading])
+        draws = np.random.Generator(np.random.Philox(key=[self.seed, 1])).standard_normal(poses.shape)
+        return frozen(poses + spread * draws)
+
+
+SHIPPED = File(__file__).parent.parent / "scenarios"
+
+
+def shipped() -> list[str]:
+    """Names of the scenarios that come with the project."""
+    return sorted(file.stem for file in SHIPPED.glob("*.toml"))
+
+
+def load(name: str, settings: Iterable[str] = ()) -> Scenario:
+    """A scenario by its name or its TOML file, with `key=value` settings applied.
+
+    Raises:
+        ScenarioError: it does not exist or is wrong; one line per mistake.
+    """
+    return parse(read(name), settings, where=name)
+
+
+def read(name: str) -> dict[str, Any]:
+    """The raw table of a scenario by its name or its TOML file.
+
+    Raises:
+        ScenarioError: there is no such scenario, or it is not TOML.
+    """
+    file = File(name) if name.endswith(".toml") or "/" in name else SHIPPED / f"{name}.toml"
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ScenarioError(unknown("scenario", name, [*shipped(), "FILE.toml"])) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{name}: cannot be read: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{name}: expected TOML; {error}") from None
+
+
+def parse(raw: dict[str, Any], settings: Iterable[str] = (), *, where: str = "scenario") -> Scenario:
+    """A scenario from its raw table.
+
+    Raises:
+        ScenarioError: one line per mistake.
+    """
+    raw = copy.deepcopy(raw)
+    for setting in settings:
+        _apply(raw, setting)
+    try:
+        return Scenario.model_validate(raw)
+    except ValidationError as error:
+        lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
+        raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None
+
+
+def _apply(raw: dict[str, Any], setting: str) -> None:
+    key, equals, text = setting.partition("=")
+    if not equals or not key.strip():
+        raise ScenarioError(f"--set: expected key=value; got {setting!r}")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    *parents, last = key.strip().split(".")
+    table = raw
+    for parent in parents:
+        table = table.setdefault(parent, {})
+        if not isinstance(table, dict):
+            raise ScenarioError(f"--set {key.strip()}: expected the path of a key; {parent} is not a table")
+    table[last] = value

@@ -1,0 +1,99 @@
+"""Messages to bytes and back: a CRC-32, then a MessagePack map with the message's type, version and fields.
+
+Arrays are raw little-endian float64. Decoding bytes that nobody trusts gives a message or a WireError, nothing
+else. The CRC is there because a link may flip bytes: a damaged plan must count as lost, not move a robot.
+"""
+
+import dataclasses
+import struct
+import zlib
+from typing import Any, TypeVar
+
+import msgpack
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from formation.errors import WireError
+from network.messages import VERSION, Command, Event, LinkCounts, Message, Plan, Reply, Request, Setup, State, Status, Tick
+
+MAX_BYTES = 1 << 20
+_CRC = struct.Struct("<I")
+_TYPES: dict[str, type[Message]] = {
+    "tick": Tick,
+    "plan": Plan,
+    "command": Command,
+    "status": Status,
+    "state": State,
+    "setup": Setup,
+    "request": Request,
+    "reply": Reply,
+}
+_NAMES = {kind: name for name, kind in _TYPES.items()}
+_FIELDS = {kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)}
+_ADAPTERS: dict[type, TypeAdapter[Any]] = {kind: TypeAdapter(kind) for kind in _NAMES}
+
+M = TypeVar("M", bound=Message)
+
+
+def encode(message: Message) -> bytes:
+    """The message's bytes."""
+    kind = type(message)
+    body: dict[str, Any] = {"type": _NAMES[kind], "version": VERSION}
+    for name in _FIELDS[kind]:
+        body[name] = getattr(message, name)
+    return seal(msgpack.packb(body, default=_plain))
+
+
+def seal(body: bytes) -> bytes:
+    """The bytes with their CRC-32 in front."""
+    return _CRC.pack(zlib.crc32(body)) + body
+
+
+def unseal(payload: bytes) -> bytes:
+    """The bytes behind a CRC-32.
+
+    Raises:
+        WireError: too short, too long, or damaged.
+    """
+    if not _CRC.size < len(payload) <= MAX_BYTES:
+        raise WireError(f"expected {_CRC.size + 1} to {MAX_BYTES} bytes; got {len(payload)}")
+    body = payload[_CRC.size :]
+    if zlib.crc32(body) != _CRC.unpack_from(payload)[0]:
+        raise WireError("expected a matching CRC-32")
+    return body
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return np.ascontiguousarray(value, dtype="<f8").tobytes()
+    if type(value) in _FIELDS:
+        return {name: getattr(value, name) for name in _FIELDS[type(value)]}
+    raise TypeError(f"cannot be sent: {value!r}")
+
+
+def decode(kind: type[M], payload: bytes) -> M:
+    """The message of this kind that the bytes hold.
+
+    Raises:
+        WireError: they do not hold one; the text says in a line what was expected.
+    """
+    try:
+        body = msgpack.unpackb(unseal(payload))
+    except WireError:
+        raise
+    except Exception as error:  # msgpack raises ValueError, its own types, RecursionError, ...
+        raise WireError(f"expected MessagePack; {type(error).__name__}") from None
+    if not isinstance(body, dict):
+        raise WireError(f"expected a map; got {type(body).__name__}")
+    name, version = body.pop("type", None), body.pop("version", None)
+    if version != VERSION:
+        raise WireError(f"expected version {VERSION}; got {version!r:.40}")
+    if name != _NAMES[kind]:
+        raise WireError(f"expected a {_NAMES[kind]}; got {name!r:.40}")
+    try:
+        message: M = _ADAPTERS[kind].validate_python(body)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = ".".join(str(part) for part in first["loc"]) or name
+        raise WireError(f"{place:.60}: {first['msg']}") from None
+    return message

@@ -1,0 +1,38 @@
+"""Key expressions of a run; the README's table is made of these."""
+
+
+def tick(run: str) -> str:
+    return f"echelon/{run}/tick"
+
+
+def plan(run: str, robot: int | str) -> str:
+    return f"echelon/{run}/robot/{robot}/plan"
+
+
+def command(run: str, robot: int | str) -> str:
+    return f"echelon/{run}/robot/{robot}/command"
+
+
+def status(run: str, robot: int | str) -> str:
+    return f"echelon/{run}/robot/{robot}/status"
+
+
+def state(run: str) -> str:
+    return f"echelon/{run}/state"
+
+
+def control(run: str) -> str:
+    return f"echelon/{run}/control"
+
+
+def alive(run: str, role: str, number: int | str) -> str:
+    return f"echelon/{run}/alive/{role}/{number}"
+
+
+def robot_of(key: str) -> int | None:
+    """The robot in a key `.../robot/{id}/...` or `.../alive/agent/{id}`; None if there is none."""
+    parts = key.split("/")
+    if len(parts) != 5 or not (parts[2] == "robot" or parts[2:4] == ["alive", "agent"]):
+        return None
+    text = parts[3] if parts[2] == "robot" else parts[4]
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= 3 else None

@@ -1,0 +1,187 @@
+"""One faulty directed link, without any I/O: push what was sent, pop what is due (DESIGN section 4).
+
+It stands at the receiver. What happens to a message is drawn from (seed, source, target, seq) alone, so the same
+messages meet the same faults whatever the controller, the timing or the machine.
+"""
+
+import hashlib
+import heapq
+import math
+import struct
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import NamedTuple
+
+from formation.faults import Fault
+from network.messages import LinkCounts
+
+QUEUE_LIMIT = 10
+"""Messages that wait for a rate-limited link before further ones are lost."""
+PARETO_SHAPE = 3.0
+"""Tail index of pareto jitter: finite mean and variance, the occasional very late message."""
+MEMORY = 4096
+"""Messages that a burst is traced back at most; longer chains start from the stationary distribution."""
+
+_PERFECT = Fault()
+_WORDS = struct.Struct("<8Q")
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A message that has come through."""
+
+    seq: int
+    sent: float
+    """[s]."""
+    due: float
+    """When it arrived [s]; never before it was sent."""
+    payload: bytes
+
+
+class _Draws(NamedTuple):
+    """Uniform numbers in [0, 1) for one message."""
+
+    loss: float
+    jitter: float
+    duplicate: float
+    reorder: float
+    corrupt: float
+    copy_jitter: float
+    place: float
+    stationary: float
+
+
+class Link:
+    """A link from `source` to `target`; set `fault` at any time, it holds for messages pushed from then on."""
+
+    def __init__(self, seed: int, source: str, target: str, fault: Fault = _PERFECT) -> None:
+        self.fault = fault
+        self._key = f"{seed}/{source}->{target}".encode()
+        self._heap: list[tuple[float, int, Arrival]] = []
+        self._order = 0
+        self._free = -math.inf  # when a rate-limited link can take the next message
+        self._latest = -math.inf  # the latest arrival so far, for keep_order
+        self._sent = self._lost = self._delivered = self._duplicated = 0
+        self._chain: tuple[int, float, float, bool] = (-1, 0.0, 0.0, False)  # seq, loss, burst, in a burst
+
+    @property
+    def counts(self) -> LinkCounts:
+        """sent + duplicated = delivered + lost + in_flight, always."""
+        return LinkCounts(
+            sent=self._sent,
+            delivered=self._delivered,
+            lost=self._lost,
+            duplicated=self._duplicated,
+            in_flight=len(self._heap),
+        )
+
+    def push(self, seq: int, sent: float, payload: bytes) -> None:
+        """Give a message to the link. Messages come in the order in which they were sent."""
+        self._sent += 1
+        fault = self.fault
+        if fault is _PERFECT or fault == _PERFECT:
+            self._carry(seq, sent, sent, payload)
+            return
+        draws = self._draws(seq)
+        if fault.cut or self._is_lost(seq, draws):
+            self._lost += 1
+            return
+        departure = self._departure(sent)
+        if departure is None:
+            self._lost += 1
+            return
+        if draws.corrupt < fault.corrupt:
+            payload = _damaged(payload, draws.place)
+        delay = 0.0 if draws.reorder < fault.reorder else _delay(fault, draws.jitter)
+        self._carry(seq, sent, departure + delay, payload)
+        if draws.duplicate < fault.duplicate:
+            self._duplicated += 1
+            self._carry(seq, sent, departure + _delay(fault, draws.copy_jitter), payload)
+
+    def pop(self, now: float) -> list[Arrival]:
+        """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
+        due = []
+        while self._heap and self._heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
+            due.append(heapq.heappop(self._heap)[2])
+        self._delivered += len(due)
+        return due
+
+    def _carry(self, seq: int, sent: float, due: float, payload: bytes) -> None:
+        if self.fault.keep_order:
+            due = max(due, self._latest)
+        self._latest = max(due, self._latest)
+        self._order += 1
+        heapq.heappush(self._heap, (due, self._order, Arrival(seq, sent, due, payload)))
+
+    def _departure(self, sent: float) -> float | None:
+        """When a rate-limited link sends it on; None if its queue is full."""
+        if self.fault.rate == 0.0:
+            return sent
+        departure = max(sent, self._free)
+        if (departure - sent) * self.fault.rate > QUEUE_LIMIT:
+            return None
+        self._free = departure + 1.0 / self.fault.rate
+        return departure
+
+    def _is_lost(self, seq: int, draws: _Draws) -> bool:
+        loss, burst = self.fault.loss, self.fault.burst
+        if loss <= 0.0 or loss >= 1.0 or burst * (1.0 - loss) <= 1.0:
+            return draws.loss < loss
+        return self._in_burst(seq, loss, burst)
+
+    def _in_burst(self, seq: int, loss: float, burst: float) -> bool:
+        """Gilbert-Elliott: a chain that turns bad with probability p and good with 1 / burst, as a function of seq.
+
+        All states see the same draw u of a message: below min(p, 1 - r) it turns bad whatever it was, from the
+        maximum on it turns good, in between it keeps its state (or changes it, if p > 1 - r). So the last deciding
+        draw settles it, and the state of the message before, where it is known, only saves looking back.
+        """
+        r = 1.0 / burst
+        p = loss * r / (1.0 - loss)
+        known, *model, state = self._chain
+        warm = model == [loss, burst] and known < seq
+        first = known + 1 if warm else max(0, seq - MEMORY)
+        undecided = 0
+        for back in range(seq, first - 1, -1):
+            u = self._draws(back).loss
+            if u < min(p, 1.0 - r) or u >= max(p, 1.0 - r):
+                state = u < min(p, 1.0 - r)
+                break
+            undecided += 1
+        else:
+            if not warm:
+                state = self._draws(first).stationary < loss
+        if p > 1.0 - r and undecided % 2:  # then a draw in between changes the state
+            state = not state
+        self._chain = (seq, loss, burst, state)
+        return state
+
+    def _draws(self, seq: int) -> _Draws:
+        digest = hashlib.blake2b(struct.pack("<q", seq), key=self._key[:64], digest_size=64).digest()
+        return _Draws._make([(word >> 11) * 2.0**-53 for word in _WORDS.unpack(digest)])
+
+
+def _delay(fault: Fault, u: float) -> float:
+    """Latency with jitter, never negative [s]."""
+    if fault.jitter == 0.0:
+        return fault.latency
+    if fault.distribution == "uniform":
+        return max(0.0, fault.latency + fault.jitter * (2.0 * u - 1.0))
+    if fault.distribution == "pareto":
+        tail: float = (1.0 - u) ** (-1.0 / PARETO_SHAPE) - 1.0  # mean 1 / (shape - 1)
+        return fault.latency + fault.jitter * (PARETO_SHAPE - 1.0) * tail
+    normal = NormalDist(fault.latency, fault.jitter)
+    below = normal.cdf(0.0)
+    quantile = below + (1.0 - below) * u
+    return max(0.0, normal.inv_cdf(quantile)) if 0.0 < quantile < 1.0 else 0.0
+
+
+def _damaged(payload: bytes, place: float) -> bytes:
+    """The payload with one to three bytes flipped."""
+    if not payload:
+        return payload
+    data = bytearray(payload)
+    bits = int(place * 2**53)
+    for n in range(1 + bits % 3):
+        data[(bits // (7 + 1000 * n)) % len(data)] ^= 1 + (bits >> (8 * n + 3)) % 255
+    return bytes(data)

@@ -1,0 +1,265 @@
+"""The words that processes say to each other. Every message is a frozen value with sender, seq and stamp.
+
+`stamp` is simulated time [s]; `epoch` changes with every reset, so that words of an earlier flight are not taken
+for words of this one. Robots are numbered from 1. network/codec.py turns messages into bytes and back.
+"""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, PlainValidator
+
+from formation.arrays import FloatArray
+
+VERSION = 1
+WORLD = 0
+"""Sender number of the world; robots count from 1."""
+
+_STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+def _array(columns: int, rows: int | None = None) -> PlainValidator:
+    """Accepts little-endian float64 bytes of so many columns (and rows); gives a read-only finite array."""
+
+    def validate(data: object) -> FloatArray:
+        if not isinstance(data, bytes) or not data or len(data) % (8 * columns):
+            raise ValueError(f"expected bytes of {columns} float64 columns")
+        array = np.frombuffer(data, dtype="<f8")
+        if not np.isfinite(array).all():
+            raise ValueError("expected finite numbers")
+        if rows is not None and array.size != rows * columns:
+            raise ValueError(f"expected {rows * columns} numbers; got {array.size}")
+        return array if rows == 1 else array.reshape(-1, columns)
+
+    return PlainValidator(validate)
+
+
+Poses = Annotated[FloatArray, _array(3)]
+"""(n, 3) [m, m, rad]."""
+Pose = Annotated[FloatArray, _array(3, 1)]
+"""(3,) [m, m, rad]."""
+Inputs = Annotated[FloatArray, _array(2)]
+"""(N, 2) v, omega [m/s, rad/s]."""
+Numbers = Annotated[FloatArray, PlainValidator(lambda data: _numbers(data))]
+"""(n,)."""
+Whole = Annotated[int, Field(strict=True, ge=-1, lt=2**63)]
+Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
+Real = Annotated[float, Field(strict=True)]
+Positive = Annotated[float, Field(strict=True, gt=0.0)]
+NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
+Text = Annotated[str, Field(strict=True, max_length=65536)]
+Flag = Annotated[bool, Field(strict=True)]
+
+
+def _numbers(data: object) -> FloatArray:
+    if not isinstance(data, bytes) or len(data) % 8:
+        raise ValueError("expected bytes of float64 numbers")
+    array = np.frombuffer(data, dtype="<f8")
+    if not np.isfinite(array).all():
+        raise ValueError("expected finite numbers")
+    return array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tick:
+    """World to all: simulated time has reached `stamp`; here is where everybody is."""
+
+    sender: Sender
+    seq: Count
+    """k, the number of the tick."""
+    stamp: NonNegative
+    epoch: Count
+    revision: Count
+    """Which `Setup` holds from this tick on."""
+    poses: Poses
+    """Measured poses of all robots. An agent reads its own row only."""
+    planned: list[Sender]
+    """Robots that sent a plan at tick k - 1. In lockstep the one downstream waits for it."""
+    last: Flag = False
+    """Whether this is the last tick of the flight."""
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Agent to its downstream neighbour: where it is and what it will do over the horizon."""
+
+    sender: Sender
+    seq: Count
+    """k of the tick it answers."""
+    stamp: NonNegative
+    epoch: Count
+    pose: Pose
+    """Where the sender is at `stamp`, as far as it knows."""
+    interval: Positive
+    """Delta_T: how long each input is held [s]."""
+    inputs: Inputs
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Agent to world: the input for tick k, and what it was based on."""
+
+    sender: Sender
+    seq: Count
+    """k of the tick it answers."""
+    stamp: NonNegative
+    epoch: Count
+    v: Real
+    """[m/s]."""
+    omega: Real
+    """[rad/s]."""
+    age: NonNegative
+    """Age of the plan of the upstream neighbour that was used [s]."""
+    planned: Flag
+    """Whether a plan went out at this tick."""
+    solve: NonNegative
+    """Wall-clock time that planning took [s]; 0 if none did."""
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class LinkCounts:
+    """What became of the messages of one link so far."""
+
+    sent: Count = 0
+    delivered: Count = 0
+    """Arrived and used or usable, copies included."""
+    lost: Count = 0
+    late: Count = 0
+    """Arrived after a newer one, and were dropped for it (part of delivered)."""
+    corrupt: Count = 0
+    """Arrived damaged and were refused (part of delivered)."""
+    duplicated: Count = 0
+    """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
+    in_flight: Count = 0
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Agent to people, ten times a second: how it is doing."""
+
+    sender: Sender
+    seq: Count
+    stamp: NonNegative
+    epoch: Count
+    link: Text
+    """Name of the link from its upstream neighbour."""
+    age: NonNegative
+    """Age of the newest plan that arrived over it [s]."""
+    belief: Whole
+    """seq of that plan; -1 before the first."""
+    counts: LinkCounts
+    solve: NonNegative
+    """Mean wall-clock time per plan since the last status [s]."""
+    missed: Count
+    """Ticks that it did not answer in time (real time only)."""
+    gap: NonNegative
+    """Nash gap: what it could still gain by changing its own plan alone (THEORY section 6)."""
+    rejected: Count
+    """Payloads that were not valid messages."""
+    pid: Count
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that a person may want to know."""
+
+    number: Count
+    stamp: NonNegative
+    kind: Literal["run", "fault", "agent", "watchdog", "wire"]
+    text: Text
+    __pydantic_config__ = _STRICT
+
+
+RunStatus = Literal["waiting", "running", "paused", "finished"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """World to people, twenty times a second: everything that is worth showing."""
+
+    sender: Sender
+    seq: Count
+    stamp: NonNegative
+    epoch: Count
+    revision: Count
+    scenario: Text
+    controller: Text
+    mode: Literal["lockstep", "realtime"]
+    status: RunStatus
+    waiting_for: list[Sender]
+    """Robots without a live agent."""
+    speed: NonNegative
+    """Wished simulated seconds per second; 0 means as fast as possible."""
+    pace: NonNegative
+    """Simulated seconds per second over the last second."""
+    overruns: Count
+    """Ticks that began late (real time only)."""
+    rejected: Count
+    """Payloads to the world that were not valid messages."""
+    poses: Poses
+    """True poses."""
+    slots: Poses
+    """Where the robots should be."""
+    centre: Pose
+    """Where the centre of the formation should be, with the path's heading."""
+    distance_errors: Numbers
+    """(n,) l_e [m]."""
+    angle_errors: Numbers
+    """(n,) psi_e [rad]."""
+    tracking_error: NonNegative
+    """[m]."""
+    live: list[Sender]
+    """Robots whose agents are alive."""
+    stopped: list[Sender]
+    """Robots that the watchdog holds."""
+    faults: dict[str, dict[str, Any]]
+    """Every link that is not perfect, and how: keys of formation.faults.Fault that differ from its default."""
+    events: list[Event]
+    """The newest events, oldest first."""
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """World to whoever asks: what is flown. An agent that meets a new revision in a tick asks for it."""
+
+    sender: Sender
+    seq: Count
+    stamp: NonNegative
+    epoch: Count
+    revision: Count
+    scenario: Text
+    """JSON of the formation.scenario.Scenario, with the controller in use."""
+    faults: dict[str, dict[str, Any]]
+    """As in State."""
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Anybody to the world: do something. `arguments` depend on `operation`; see network/control.py."""
+
+    operation: Text
+    arguments: dict[str, Any] = field(default_factory=dict)
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """World to who asked: done, or why not."""
+
+    ok: Flag
+    reason: Text = ""
+    """One line, if not ok."""
+    value: dict[str, Any] = field(default_factory=dict)
+    __pydantic_config__ = _STRICT
+
+
+Message = Tick | Plan | Command | Status | State | Setup | Request | Reply

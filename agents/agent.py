@@ -3,7 +3,6 @@
 The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
 """
 
-import struct
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,11 +17,11 @@ from agents.situation import Pair, Situation, Solution
 from formation import unicycle
 from formation.arrays import FloatArray
 from formation.errors import WireError
-from formation.faults import Fault
+from formation.faults import PERFECT, Fault
 from formation.pattern import upstream
 from formation.scenario import Scenario
-from network.codec import decode, encode, seal, unseal
-from network.link import Link
+from network.codec import decode, encode
+from network.link import Arrival, Link, damaged
 from network.messages import Command, LinkCounts, Plan, Status
 
 STATUS_EVERY = 0.1
@@ -30,17 +29,14 @@ STATUS_EVERY = 0.1
 REMEMBERED_COMMANDS = 1024
 """Own commands kept to carry an old pose forward; 10 s at 100 Hz."""
 
-_PERFECT = Fault()
-_POSE = struct.Struct("<3d")
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """What an agent says at a tick."""
 
     command: Command
-    plan: bytes | None
-    """The encoded Plan, on a planning tick."""
+    plan: Plan | None
+    """For the downstream neighbour, on a planning tick."""
 
 
 class Agent:
@@ -64,8 +60,8 @@ class Agent:
         if self._ages is None:
             self._ages = scenario.controller.name == "nash"
         self._belief = Belief()
-        self._plans = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
-        self._poses = Link(scenario.seed, "world", str(robot))
+        self._plans: Link[Plan] = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
+        self._poses: Link[FloatArray] = Link(scenario.seed, "world", str(robot))
         self._pose: tuple[int, FloatArray] | None = None
         self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
         self._last: tuple[int, Solution, FloatArray] | None = None
@@ -76,17 +72,17 @@ class Agent:
 
     def set_faults(self, faults: Mapping[str, Fault]) -> None:
         """Which faults the links to this robot have from now on; a link that is not named is perfect."""
-        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", _PERFECT)
-        self._poses.fault = faults.get(f"world->{self.robot}", _PERFECT)
+        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
+        self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
 
-    def receive(self, plan: Plan, payload: bytes) -> None:
-        """A plan of the upstream neighbour came in physically; its bytes now enter the faulty link.
+    def receive(self, plan: Plan) -> None:
+        """A plan of the upstream neighbour came in physically; now it enters the faulty link.
 
         A plan of another flight, of somebody else, or one that was there before is ignored.
         """
         if plan.epoch == self.epoch and plan.sender == self.upstream and plan.seq > self._heard:
             self._heard = plan.seq
-            self._plans.push(plan.seq, plan.stamp, payload)
+            self._plans.push(plan.seq, plan.stamp, plan)
 
     def step(self, k: int, stamp: float, pose: FloatArray) -> Answer:
         """Answer tick k.
@@ -98,34 +94,24 @@ class Agent:
         """
         for arrival in self._plans.pop(stamp):
             try:
-                self._belief.receive(decode(Plan, arrival.payload))
+                self._belief.receive(_read(arrival))
             except WireError:
                 self._corrupt += 1
         age = self._belief.seconds_old(stamp)
         own = self._own_pose(k, stamp, pose)
         if own is None:  # who does not know where it is does not move
             return Answer(Command(self.robot, k, stamp, self.epoch, 0.0, 0.0, age, False, 0.0), None)
-        payload = None
+        plan = None
         solve = 0.0
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
             solution = self._plan(k, stamp, own)
             solve = perf_counter() - began
             self._solves.append(solve)
-            payload = encode(
-                Plan(
-                    sender=self.robot,
-                    seq=k,
-                    stamp=stamp,
-                    epoch=self.epoch,
-                    pose=own,
-                    interval=self._pair.interval,
-                    inputs=solution.inputs,
-                )
-            )
+            plan = Plan(self.robot, k, stamp, self.epoch, own, self._pair.interval, solution.inputs)
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
-        return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, payload is not None, solve), payload)
+        return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, plan is not None, solve), plan)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0, last: bool = False) -> Status | None:
         """How it is doing; None between two statuses, unless this is the last tick."""
@@ -179,16 +165,13 @@ class Agent:
 
     def _own_pose(self, k: int, stamp: float, measured: FloatArray) -> FloatArray | None:
         """Where the robot is: the newest pose that came through, carried forward along the own commands."""
-        if self._poses.fault == _PERFECT and self._poses.counts.in_flight == 0:
+        if self._poses.transparent:
             self._pose = (k, measured)
             return measured
-        self._poses.push(k, stamp, seal(_POSE.pack(*measured)))
+        self._poses.push(k, stamp, measured)
         for arrival in self._poses.pop(stamp):
-            if self._pose is None or arrival.seq > self._pose[0]:
-                try:
-                    self._pose = (arrival.seq, np.array(_POSE.unpack(unseal(arrival.payload))))
-                except WireError:
-                    self._corrupt += 1
+            if arrival.damage is None and (self._pose is None or arrival.seq > self._pose[0]):
+                self._pose = (arrival.seq, arrival.message)
         if self._pose is None:
             return None
         x, y, theta = self._pose[1]
@@ -205,3 +188,10 @@ class Agent:
         other = self._belief.aged(stamp, slot, tail)
         poses = np.concatenate([own, other.pose])
         return self._game.gap(k, poses, np.hstack([solution.inputs, other.inputs]))
+
+
+def _read(arrival: Arrival[Plan]) -> Plan:
+    """The plan that arrived. Raises WireError if its bytes were damaged."""
+    if arrival.damage is None:
+        return arrival.message
+    return decode(Plan, damaged(encode(arrival.message), arrival.damage))

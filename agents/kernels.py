@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from agents.compiled import kernel, kernel_for
+from agents.compiled import MATRIX, MATRIX_OUT, NOTHING, REAL, STRIDED, STRIDED_OUT, VECTOR, VECTOR_OUT, kernel, kernel_for
 from formation import unicycle
 from formation.arrays import FloatArray
 
@@ -45,7 +45,7 @@ def derivatives(
     )
 
 
-@kernel_for("void(float64[:,:], float64, float64, float64[:,:], float64[:,:])")
+@kernel_for(NOTHING, STRIDED, REAL, REAL, STRIDED, STRIDED_OUT)
 def shift(
     inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray, out: FloatArray
 ) -> None:
@@ -68,7 +68,7 @@ def shift(
             out[j, c] = (1.0 - part) * now + part * later
 
 
-@kernel_for("void(float64[:], float64[:,:], float64, float64, float64[:])")
+@kernel_for(NOTHING, VECTOR, STRIDED, REAL, REAL, VECTOR_OUT)
 def age(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float, out: FloatArray) -> None:
     """The pose (3,) that a plan predicts `elapsed` after its stamp, at most to the plan's end; into out (3,)."""
     x, y, theta = pose[0], pose[1], pose[2]
@@ -81,7 +81,7 @@ def age(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float, o
     out[0], out[1], out[2] = x, y, theta
 
 
-@kernel_for("float64[:,:](float64[:], float64[:,:], float64)")
+@kernel_for(MATRIX_OUT, VECTOR, MATRIX, REAL)
 def roll_out(pose: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
     """Poses (N + 1, 3) along inputs (N, 2), each held for `interval`."""
     poses = np.empty((len(inputs) + 1, 3))

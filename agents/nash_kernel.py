@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from agents.compiled import kernel, kernel_for
+from agents.compiled import MATRIX, MATRIX_OUT, REAL, TABLE, VECTOR, WHOLE, kernel, kernel_for
 from agents.kernels import clip, derivatives, step, wrap
 from formation.arrays import FloatArray
 
@@ -100,10 +100,7 @@ def _solve4(m: FloatArray, rhs: FloatArray) -> None:
             rhs[a, col] = value / m[a, a]
 
 
-@kernel_for(
-    "float64(float64[:], float64[:,:], float64[:,:,:], float64[:,:,:], float64[:], int64, int64, float64,"
-    " float64, float64[:], float64[:])"
-)
+@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, VECTOR, WHOLE, WHOLE, REAL, REAL, VECTOR, VECTOR)
 def cost(
     x0: FloatArray,
     u: FloatArray,
@@ -133,10 +130,7 @@ def cost(
     return total
 
 
-@kernel_for(
-    "float64(float64[:], float64[:,:], float64[:,:,:], float64[:,:,:], float64[:], int64, int64, float64,"
-    " float64, float64[:], float64[:], float64[:], float64[:,:])"
-)
+@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, VECTOR, WHOLE, WHOLE, REAL, REAL, VECTOR, VECTOR, VECTOR, MATRIX_OUT)
 def improve(
     x0: FloatArray,
     nominal: FloatArray,

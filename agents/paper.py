@@ -1,7 +1,8 @@
 """Controller `paper`: section 3.2 of the paper as printed; `controller.errata` mends it item by item.
 
-Of the twelve errata (THEORY section 3), 1 to 7 change what this controller does. 8, 9, 10 and 12 are about start
-poses, the spiral's path, a misprinted Q and a proof; 11 is the leader-follower's.
+Of the twelve errata, 1 to 5 are of the algorithm. 6 and 7 are of two tests' data, which here follow from the
+offsets; `controller.misprints` brings them back. 8, 9, 10 and 12 are about a start heading, the spiral's path, a
+misprinted Q and a proof; 11 is the leader-follower's.
 """
 
 import math
@@ -26,12 +27,12 @@ class Paper:
         self._pair = pair
         self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
         self._r = np.array(own.r or R, dtype=float)
-        self._mended = np.zeros(13, dtype=bool)
+        self._mended = np.zeros(6, dtype=bool)
         self._mended[own.errata] = True
         self._centre = np.array(pair.centre)
-        if not self._mended[6] and scenario.formation.shape == "triangle":
+        if 6 in own.misprints and scenario.formation.shape == "triangle":
             self._centre = np.full(2, math.sqrt(3.0) / 6.0 * pair.distance)
-        self._mirrored = not self._mended[7] and scenario.formation.shape == "line" and (scenario.size, robot) == (2, 2)
+        self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
         self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero
 
     def plan(self, situation: Situation) -> Solution:

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from agents.compiled import kernel, kernel_for
+from agents.compiled import FLAGS, MATRIX_OUT, NOTHING, REAL, STRIDED, STRIDED_VECTOR, VECTOR, VECTOR_OUT, kernel, kernel_for
 from agents.kernels import clip, wrap
 from formation.arrays import FloatArray
 
@@ -50,7 +50,7 @@ def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
     return x
 
 
-@kernel_for("void(float64[:], float64[:], float64[:], float64, float64, float64[:], float64[:])")
+@kernel_for(NOTHING, VECTOR, VECTOR, STRIDED_VECTOR, REAL, REAL, VECTOR, VECTOR_OUT)
 def error_state(
     own: FloatArray, other: FloatArray, ref: FloatArray, distance: float, psi_r: float, pv: FloatArray, z: FloatArray
 ) -> None:
@@ -74,8 +74,7 @@ def error_state(
 
 
 @kernel_for(
-    "void(float64[:], float64[:], float64[:], float64[:], float64[:], float64[:], float64[:], float64, boolean[:],"
-    " float64[:,:], float64[:,:], float64[:,:], float64[:])"
+    NOTHING, VECTOR, VECTOR, STRIDED_VECTOR, STRIDED_VECTOR, VECTOR, STRIDED_VECTOR, VECTOR, REAL, FLAGS, *[MATRIX_OUT] * 3, VECTOR_OUT
 )
 def linearise(
     own: FloatArray,
@@ -101,7 +100,7 @@ def linearise(
         ref: x_r, y_r, theta_r, v_r, omega_r.
         pv: p_v^O (2,).
         dt: Delta_T [s].
-        mended: (13,) flags by number of erratum.
+        mended: (6,) flags by number of erratum.
         a, bi, bu: results (5, 5), (5, 2), (5, 2).
         rate: dz/dt (5,) by eq. (3) with l_r constant.
     """
@@ -170,8 +169,7 @@ def _euler(pose: FloatArray, u: FloatArray, dt: float) -> FloatArray:
 
 
 @kernel_for(
-    "void(float64[:], float64[:,:], float64[:], float64[:,:], float64[:,:], float64[:], float64, float64[:], float64,"
-    " float64[:], float64[:], float64[:], boolean[:], float64[:,:])"
+    NOTHING, VECTOR, STRIDED, VECTOR, STRIDED, STRIDED, STRIDED_VECTOR, REAL, VECTOR, REAL, VECTOR, VECTOR, VECTOR, FLAGS, MATRIX_OUT
 )
 def plan(
     own: FloatArray,
@@ -199,7 +197,7 @@ def plan(
         dt: Delta_T [s].
         q, r: diagonals (5,) and (2,).
         limits: (2,) of |v| and |omega|.
-        mended: (13,) flags by number of erratum.
+        mended: (6,) flags by number of erratum.
         out: (N, 2) the new plan; NaN if a matrix was singular.
     """
     steps = len(u)

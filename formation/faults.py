@@ -42,6 +42,9 @@ class Fault(Model):
     """Nothing passes."""
 
 
+PERFECT = Fault()
+"""A link without faults."""
+
 PRESETS: Mapping[str, Fault] = {
     "wifi": Fault(latency=0.02, jitter=0.01, loss=0.005, duplicate=0.001),
     "congested": Fault(latency=0.15, jitter=0.1, distribution="pareto", loss=0.05, burst=3, rate=50),

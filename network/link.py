@@ -8,11 +8,11 @@ import hashlib
 import heapq
 import math
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
-from formation.faults import Fault
+from formation.faults import PERFECT, Fault
 from network.messages import LinkCounts
 
 QUEUE_LIMIT = 10
@@ -22,12 +22,12 @@ PARETO_SHAPE = 3.0
 MEMORY = 4096
 """Messages that a burst is traced back at most; longer chains start from the stationary distribution."""
 
-_PERFECT = Fault()
+T = TypeVar("T")
 _WORDS = struct.Struct("<8Q")
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class Arrival(Generic[T]):
     """A message that has come through."""
 
     seq: int
@@ -35,7 +35,9 @@ class Arrival:
     """[s]."""
     due: float
     """When it arrived [s]; never before it was sent."""
-    payload: bytes
+    message: T
+    damage: float | None
+    """If not None, the message came with flipped bytes: those of `damaged(its bytes, damage)`."""
 
 
 class _Draws(NamedTuple):
@@ -51,13 +53,13 @@ class _Draws(NamedTuple):
     stationary: float
 
 
-class Link:
+class Link(Generic[T]):
     """A link from `source` to `target`; set `fault` at any time, it holds for messages pushed from then on."""
 
-    def __init__(self, seed: int, source: str, target: str, fault: Fault = _PERFECT) -> None:
+    def __init__(self, seed: int, source: str, target: str, fault: Fault = PERFECT) -> None:
         self.fault = fault
         self._key = f"{seed}/{source}->{target}".encode()
-        self._heap: list[tuple[float, int, Arrival]] = []
+        self._heap: list[tuple[float, int, Arrival[T]]] = []
         self._order = 0
         self._free = -math.inf  # when a rate-limited link can take the next message
         self._latest = -math.inf  # the latest arrival so far, for keep_order
@@ -75,12 +77,26 @@ class Link:
             in_flight=len(self._heap),
         )
 
-    def push(self, seq: int, sent: float, payload: bytes) -> None:
+    @property
+    def fault(self) -> Fault:
+        """What the link does to messages."""
+        return self._fault
+
+    @fault.setter
+    def fault(self, fault: Fault) -> None:
+        self._fault = PERFECT if fault == PERFECT else fault
+
+    @property
+    def transparent(self) -> bool:
+        """Whether a message pushed now would be popped now, alone."""
+        return self._fault is PERFECT and not self._heap
+
+    def push(self, seq: int, sent: float, message: T) -> None:
         """Give a message to the link. Messages come in the order in which they were sent."""
         self._sent += 1
-        fault = self.fault
-        if fault is _PERFECT or fault == _PERFECT:
-            self._carry(seq, sent, sent, payload)
+        fault = self._fault
+        if fault is PERFECT:
+            self._carry(sent, Arrival(seq, sent, sent, message, None))
             return
         draws = self._draws(seq)
         if fault.cut or self._is_lost(seq, draws):
@@ -90,15 +106,15 @@ class Link:
         if departure is None:
             self._lost += 1
             return
-        if draws.corrupt < fault.corrupt:
-            payload = _damaged(payload, draws.place)
+        damage = draws.place if draws.corrupt < fault.corrupt else None
         delay = 0.0 if draws.reorder < fault.reorder else _delay(fault, draws.jitter)
-        self._carry(seq, sent, departure + delay, payload)
+        self._carry(departure + delay, Arrival(seq, sent, departure + delay, message, damage))
         if draws.duplicate < fault.duplicate:
             self._duplicated += 1
-            self._carry(seq, sent, departure + _delay(fault, draws.copy_jitter), payload)
+            due = departure + _delay(fault, draws.copy_jitter)
+            self._carry(due, Arrival(seq, sent, due, message, damage))
 
-    def pop(self, now: float) -> list[Arrival]:
+    def pop(self, now: float) -> list[Arrival[T]]:
         """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
         due = []
         while self._heap and self._heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
@@ -106,25 +122,26 @@ class Link:
         self._delivered += len(due)
         return due
 
-    def _carry(self, seq: int, sent: float, due: float, payload: bytes) -> None:
-        if self.fault.keep_order:
-            due = max(due, self._latest)
+    def _carry(self, due: float, arrival: Arrival[T]) -> None:
+        if self._fault.keep_order and due < self._latest:
+            due = self._latest
+            arrival = replace(arrival, due=due)
         self._latest = max(due, self._latest)
         self._order += 1
-        heapq.heappush(self._heap, (due, self._order, Arrival(seq, sent, due, payload)))
+        heapq.heappush(self._heap, (due, self._order, arrival))
 
     def _departure(self, sent: float) -> float | None:
         """When a rate-limited link sends it on; None if its queue is full."""
-        if self.fault.rate == 0.0:
+        if self._fault.rate == 0.0:
             return sent
         departure = max(sent, self._free)
-        if (departure - sent) * self.fault.rate > QUEUE_LIMIT:
+        if (departure - sent) * self._fault.rate > QUEUE_LIMIT:
             return None
-        self._free = departure + 1.0 / self.fault.rate
+        self._free = departure + 1.0 / self._fault.rate
         return departure
 
     def _is_lost(self, seq: int, draws: _Draws) -> bool:
-        loss, burst = self.fault.loss, self.fault.burst
+        loss, burst = self._fault.loss, self._fault.burst
         if loss <= 0.0 or loss >= 1.0 or burst * (1.0 - loss) <= 1.0:
             return draws.loss < loss
         return self._in_burst(seq, loss, burst)
@@ -176,12 +193,10 @@ def _delay(fault: Fault, u: float) -> float:
     return max(0.0, normal.inv_cdf(quantile)) if 0.0 < quantile < 1.0 else 0.0
 
 
-def _damaged(payload: bytes, place: float) -> bytes:
-    """The payload with one to three bytes flipped."""
-    if not payload:
-        return payload
+def damaged(payload: bytes, damage: float) -> bytes:
+    """The payload with one to three bytes flipped; `damage` in [0, 1) says which and how."""
     data = bytearray(payload)
-    bits = int(place * 2**53)
+    bits = int(damage * 2**53)
     for n in range(1 + bits % 3):
         data[(bits // (7 + 1000 * n)) % len(data)] ^= 1 + (bits >> (8 * n + 3)) % 255
     return bytes(data)

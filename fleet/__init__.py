@@ -1,0 +1,1 @@
+"""Two ways to fly the same scenario: in one process on a counted clock, or as supervised processes."""

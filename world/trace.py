@@ -1,0 +1,125 @@
+"""What happened, tick by tick, and the summary that `echelon run` prints of it."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.measures import pattern_errors, tracking_error
+from formation.paths import heading
+from formation.scenario import Scenario
+from network.messages import Command, Event, LinkCounts
+
+
+class Trace:
+    """Poses, ages and solve times of one flight of known length."""
+
+    def __init__(self, scenario: Scenario, ticks: int) -> None:
+        self._scenario = scenario
+        n = scenario.size
+        self._poses = np.zeros((ticks + 1, n, 3))
+        self._ages = np.full((ticks, n), np.nan)
+        self._solves = np.full((ticks, n), np.nan)
+        self._done = 0
+
+    @property
+    def full(self) -> bool:
+        """Whether the flight has reached its last tick."""
+        return self._done == len(self._ages)
+
+    def start(self, poses: FloatArray) -> None:
+        """Where the robots (n, 3) are at t = 0."""
+        self._poses[0] = poses
+
+    def add(self, poses: FloatArray, commands: Mapping[int, Command]) -> None:
+        """A tick has passed; here are the poses (n, 3) after it and what the agents answered."""
+        k = self._done
+        for robot, command in commands.items():
+            self._ages[k, robot - 1] = command.age
+            if command.planned:
+                self._solves[k, robot - 1] = command.solve
+        self._poses[k + 1] = poses
+        self._done = k + 1
+
+    def summary(
+        self, counts: Mapping[str, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
+    ) -> dict[str, Any]:
+        """The figures of the flight so far (DESIGN section 6), with numbers rounded nowhere.
+
+        Args:
+            counts: by link.
+            events: in the order in which they happened.
+            warmup: measures start at this simulated time [s].
+        """
+        scenario, done = self._scenario, self._done
+        first = min(done, max(0, round(warmup / scenario.control_interval)))
+        poses = self._poses[: done + 1]
+        t = np.arange(first, done + 1) * scenario.control_interval
+        theta = heading(scenario.path, t, scenario.controller.prediction_interval)
+        distance, angle = pattern_errors(poses[first:], scenario.pattern, theta)
+        tracking = tracking_error(poses[first:], scenario.path.position(t))
+        ages = self._ages[first:done]
+        solves = self._solves[first:done]
+        solves = solves[np.isfinite(solves)]
+        return {
+            "scenario": scenario.name,
+            "controller": scenario.controller.name,
+            "seed": scenario.seed,
+            "duration": done * scenario.control_interval,
+            "warmup": first * scenario.control_interval,
+            "ticks": done,
+            "trajectory_sha256": hashlib.sha256(poses.astype("<f8").tobytes()).hexdigest(),
+            "robots": {
+                str(i + 1): {
+                    "distance_error_m": _spread(distance[:, i]),
+                    "angle_error_rad": _spread(angle[:, i]),
+                }
+                for i in range(scenario.size)
+            },
+            "tracking_error_m": _spread(tracking),
+            "links": {
+                link: {
+                    "sent": c.sent,
+                    "delivered": c.delivered,
+                    "lost": c.lost,
+                    "late": c.late,
+                    "corrupt": c.corrupt,
+                    "duplicated": c.duplicated,
+                    "in_flight": c.in_flight,
+                    "age_s": _ages(ages[:, int(link.split("->")[1]) - 1]),
+                }
+                for link, c in counts.items()
+            },
+            "solve_s": {"median": _quantile(solves, 0.5), "p99": _quantile(solves, 0.99)},
+            "events": [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in events],
+        }
+
+
+def _spread(signed: FloatArray) -> dict[str, float]:
+    """Measures of the absolute value; `final` keeps its sign."""
+    size = np.abs(signed)
+    return {
+        "rms": float(np.sqrt(np.mean(size**2))),
+        "median": _quantile(size, 0.5),
+        "q1": _quantile(size, 0.25),
+        "q3": _quantile(size, 0.75),
+        "p95": _quantile(size, 0.95),
+        "max": float(size.max()),
+        "final": float(signed[-1]),
+    }
+
+
+def _ages(ages: FloatArray) -> dict[str, float | None]:
+    ages = ages[np.isfinite(ages)]
+    return {
+        "median": _quantile(ages, 0.5),
+        "p95": _quantile(ages, 0.95),
+        "max": float(ages.max()) if ages.size else None,
+    }
+
+
+def _quantile(values: FloatArray, share: float) -> Any:
+    """None if there is nothing to measure."""
+    return float(np.quantile(values, share)) if values.size else None

@@ -1,0 +1,282 @@
+"""The world without any I/O: a tick out, commands in, one step; and what people may ask of it.
+
+It reads no clock. Who drives it (fleet/inprocess.py, world/process.py) decides when the next tick is due.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.errors import WireError
+from formation.faults import PERFECT
+from formation.measures import pattern_errors, tracking_error
+from formation.reference import Reference
+from formation.scenario import Scenario
+from network.codec import decode, encode
+from network.link import Link, damaged
+from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
+from world.faults import FaultState, plain
+from world.plant import Plant
+from world.trace import Trace
+
+WATCHDOG = 0.2
+"""A robot without a fresh command for so long stops [s], as a real base controller makes it."""
+SHOWN_EVENTS = 40
+KEPT_EVENTS = 5000
+
+
+class World:
+    """Bodies, links to them, faults, events and figures of one run; `reset` starts another flight of it."""
+
+    def __init__(self, scenario: Scenario, *, epoch: int = 0, endless: bool = False, mode: str = "lockstep") -> None:
+        """A world at the start of a flight.
+
+        Args:
+            scenario: what is flown.
+            epoch: number of the flight, put into every message.
+            endless: fly on past the duration, if the path is closed; then no figures are kept.
+            mode: "lockstep" or "realtime", for people to see.
+        """
+        self.epoch, self.mode = epoch, mode
+        self._endless_wish = endless
+        self.revision = 0
+        self.events: deque[Event] = deque(maxlen=KEPT_EVENTS)
+        self._event_count = 0
+        self._scenario = scenario
+        self._begin()
+        self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
+
+    def _begin(self) -> None:
+        """A new flight of the scenario from its start."""
+        scenario = self._scenario
+        self.k = 0
+        self.endless = self._endless_wish and scenario.path.period is not None
+        self.plant = Plant(scenario)
+        self.faults = FaultState(scenario)
+        self.faults.update(0.0)
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks)
+        if self.trace:
+            self.trace.start(self.plant.poses)
+        self.counts: dict[str, LinkCounts] = {}
+        self.statuses: dict[int, Status] = {}
+        self.live: set[int] = set()
+        self._reference: Reference = scenario.reference()
+        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, str(i), "world") for i in self.robots}
+        self._newest: dict[int, Command] = {}
+        self._fresh: dict[int, float] = dict.fromkeys(self.robots, 0.0)
+        self._planned: list[int] = []
+        self._held: set[int] = set()
+        self._tick: Tick | None = None
+        self._apply_faults()
+
+    # ------------------------------------------------------------------ what it is
+
+    @property
+    def scenario(self) -> Scenario:
+        return self._scenario
+
+    @property
+    def robots(self) -> range:
+        """Numbers of the robots."""
+        return range(1, self._scenario.size + 1)
+
+    @property
+    def now(self) -> float:
+        """Simulated time [s]."""
+        return self.k * self._scenario.control_interval
+
+    @property
+    def finished(self) -> bool:
+        """Whether the flight has reached its duration."""
+        return not self.endless and self.k >= self._scenario.ticks
+
+    # ------------------------------------------------------------------ stepping
+
+    def tick(self) -> Tick:
+        """What the agents are told now; the same message until `advance`."""
+        if self._tick is None:
+            self._tick = Tick(
+                sender=WORLD,
+                seq=self.k,
+                stamp=self.now,
+                epoch=self.epoch,
+                revision=self.revision,
+                poses=self.plant.measure(),
+                planned=self._planned,
+                last=not self.endless and self.k == self._scenario.ticks - 1,
+            )
+        return self._tick
+
+    def advance(self, commands: Mapping[int, Command]) -> None:
+        """One tick on, with the commands that came in for this one."""
+        now = self.now
+        for robot in self.robots:
+            command = commands.get(robot)
+            if command is not None:
+                self._send(robot, command)
+            self._receive(robot, now)
+        inputs = np.array([self._input(robot, now) for robot in self.robots])
+        self.plant.move(inputs)
+        if self.trace:
+            self.trace.add(self.plant.poses, commands)
+        self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self.k += 1
+        self._tick = None
+        self._apply_faults()
+
+    def _send(self, robot: int, command: Command) -> None:
+        link = self._links[robot]
+        if link.transparent:
+            self._newest[robot], self._fresh[robot] = command, command.stamp
+        else:
+            link.push(command.seq, command.stamp, command)
+
+    def _receive(self, robot: int, now: float) -> None:
+        for arrival in self._links[robot].pop(now):
+            command = arrival.message
+            if arrival.damage is not None:
+                try:
+                    command = decode(Command, damaged(encode(command), arrival.damage))
+                except WireError:
+                    continue
+            if robot not in self._newest or command.seq > self._newest[robot].seq:
+                self._newest[robot], self._fresh[robot] = command, command.stamp
+
+    def _input(self, robot: int, now: float) -> tuple[float, float]:
+        """The newest command, unless the watchdog holds the robot."""
+        command = self._newest.get(robot)
+        stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
+        if stale != (robot in self._held) and (command is not None or now > WATCHDOG):
+            self._held ^= {robot}
+            self.event("watchdog", f"robot {robot} " + ("stopped: no fresh command" if stale else "moves again"))
+        return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
+
+    def _apply_faults(self) -> None:
+        for line in self.faults.update(self.now):
+            self.revision += 1
+            self.event("fault", line)
+        for robot, link in self._links.items():
+            link.fault = self.faults.table.get(f"{robot}->world", PERFECT)
+
+    # ------------------------------------------------------------------ what people ask
+
+    def reset(self) -> None:
+        """Start the flight again; faults that people set without an end stay."""
+        overrides = self.faults
+        self._next_flight()
+        overrides.restart()
+        overrides.update(0.0)
+        self.faults = overrides
+        self._apply_faults()
+        self.event("run", "reset")
+
+    def use(self, scenario: Scenario) -> None:
+        """Fly another scenario from its start, without the faults that people set."""
+        self._scenario = scenario
+        self._next_flight()
+        self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
+
+    def _next_flight(self) -> None:
+        self.epoch += 1
+        self.revision += 1
+        live = self.live
+        self._begin()
+        self.live = live & set(self.robots)
+
+    def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
+        """Set keys of a fault from this tick on. Raises FaultError."""
+        self.faults.change(link, changes, until)
+        self._tick_anew()
+
+    def clear_faults(self, link: str) -> None:
+        """Take back what people set on a link, or on "all", from this tick on. Raises FaultError."""
+        self.faults.clear(link, self.now)
+        self._tick_anew()
+
+    def _tick_anew(self) -> None:
+        """Faults changed before the tick went out: it shall name the new revision, with the same measurement."""
+        before = self.revision
+        self._apply_faults()
+        if self._tick is not None and self.revision != before:
+            tick = self._tick
+            self._tick = Tick(
+                WORLD, tick.seq, tick.stamp, tick.epoch, self.revision, tick.poses, tick.planned, tick.last
+            )
+
+    def event(self, kind: Any, text: str) -> None:
+        """Note something for people."""
+        self._event_count += 1
+        self.events.append(Event(self._event_count, self.now, kind, text))
+
+    def hear(self, status: Status) -> None:
+        """An agent says how it is doing."""
+        if status.epoch == self.epoch and status.sender in self.robots:
+            self.statuses[status.sender] = status
+            self.counts[status.link] = status.counts
+
+    def setup(self) -> Setup:
+        """What is flown, for agents and people that ask."""
+        return Setup(
+            sender=WORLD,
+            seq=self.revision,
+            stamp=self.now,
+            epoch=self.epoch,
+            revision=self.revision,
+            scenario=self._scenario.model_dump_json(exclude_unset=True),
+            faults=self._plain_faults(),
+        )
+
+    def _plain_faults(self) -> dict[str, dict[str, Any]]:
+        return {link: plain(fault) for link, fault in self.faults.table.items()}
+
+    def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
+        """The figures of the flight so far; empty for an endless one."""
+        links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
+        return self.trace.summary(links, list(self.events), warmup=warmup) if self.trace else {}
+
+    def state(
+        self,
+        *,
+        seq: int,
+        status: RunStatus,
+        speed: float = 0.0,
+        pace: float = 0.0,
+        overruns: int = 0,
+        rejected: int = 0,
+        waiting_for: Iterable[int] = (),
+    ) -> State:
+        """Everything that is worth showing; the arguments are what only the driver knows."""
+        block = self._reference.block(self.k)
+        row = self.k - block.first
+        centre: FloatArray = block.centre[row, :3]
+        poses = self.plant.poses
+        distance, angle = pattern_errors(poses, self._scenario.pattern, centre[2])
+        return State(
+            sender=WORLD,
+            seq=seq,
+            stamp=self.now,
+            epoch=self.epoch,
+            revision=self.revision,
+            scenario=self._scenario.name,
+            controller=self._scenario.controller.name,
+            mode="realtime" if self.mode == "realtime" else "lockstep",
+            status=status,
+            waiting_for=list(waiting_for),
+            speed=speed,
+            pace=pace,
+            overruns=overruns,
+            rejected=rejected,
+            poses=poses,
+            slots=block.slots[row],
+            centre=centre,
+            distance_errors=distance,
+            angle_errors=angle,
+            tracking_error=float(tracking_error(poses, centre[:2])),
+            live=sorted(self.live),
+            stopped=sorted(self._held),
+            faults=self._plain_faults(),
+            events=list(self.events)[-SHOWN_EVENTS:],
+        )

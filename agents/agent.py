@@ -24,8 +24,6 @@ from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
 from network.messages import Command, LinkCounts, Plan, Status
 
-STATUS_EVERY = 0.1
-"""Simulated time between two statuses [s]."""
 REMEMBERED_COMMANDS = 1024
 """Own commands kept to carry an old pose forward; 10 s at 100 Hz."""
 
@@ -68,12 +66,16 @@ class Agent:
         self._heard = -1
         self._corrupt = 0
         self._solves: list[float] = []
-        self._status_ticks = max(1, round(STATUS_EVERY / scenario.control_interval))
 
     def set_faults(self, faults: Mapping[str, Fault]) -> None:
         """Which faults the links to this robot have from now on; a link that is not named is perfect."""
         self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
         self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
+
+    @property
+    def heard(self) -> int:
+        """seq of the newest plan of the upstream neighbour that came in physically; -1 before the first."""
+        return self._heard
 
     def receive(self, plan: Plan) -> None:
         """A plan of the upstream neighbour came in physically; now it enters the faulty link.
@@ -113,10 +115,8 @@ class Agent:
         self._commands.append((k, v, omega))
         return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, plan is not None, solve), plan)
 
-    def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0, last: bool = False) -> Status | None:
-        """How it is doing; None between two statuses, unless this is the last tick."""
-        if k % self._status_ticks and not last:
-            return None
+    def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
+        """How it is doing at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
         return Status(

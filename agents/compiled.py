@@ -1,31 +1,11 @@
-"""How numeric code is compiled: ahead of the first call, once per machine, and cached under a key of its sources.
+"""How numeric code is compiled: ahead of the first call, once per machine (agents/cache.py says where it is kept)."""
 
-numba's own cache does not notice a change in a function that a cached one calls from another file, so the
-folder's name carries a digest of all of them.
-"""
-
-import hashlib
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numba
 
-_SOURCES = sorted(Path(__file__).parent.glob("*kernel*.py"))
-_SOURCES.append(Path(__file__).parent.parent / "formation" / "unicycle.py")
-
-
-def cache_folder() -> Path:
-    """Where compiled kernels are kept: $ECHELON_CACHE, else the user's cache folder."""
-    base = os.environ.get("ECHELON_CACHE")
-    if base is None:
-        base = str(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "echelon")
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in _SOURCES:
-        digest.update(source.read_bytes())
-    return Path(base) / f"kernels-{digest.hexdigest()[:16]}"
-
+from agents.cache import cache_folder
 
 numba.config.CACHE_DIR = str(cache_folder())
 

@@ -35,9 +35,8 @@ def fly(scenario: Scenario, *, progress: Callable[[float], None] | None = None, 
         for robot, answer in answers.items():
             if answer.plan is not None:
                 agents[downstream(robot, len(agents))].receive(answer.plan)
-            status = agents[robot].status(tick.seq, tick.stamp, last=tick.last) if tick.last else None
-            if status is not None:
-                world.hear(status)
+            if tick.last:
+                world.hear(agents[robot].status(tick.seq, tick.stamp))
         world.advance({robot: answer.command for robot, answer in answers.items()})
         if progress and tick.seq % PROGRESS_TICKS == 0:
             progress(world.now)

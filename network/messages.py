@@ -237,6 +237,7 @@ class Setup:
     revision: Count
     scenario: Text
     """JSON of the formation.scenario.Scenario, with the controller in use."""
+    mode: Literal["lockstep", "realtime"]
     faults: dict[str, dict[str, Any]]
     """As in State."""
     __pydantic_config__ = _STRICT

@@ -5,7 +5,7 @@ It reads no clock. Who drives it (fleet/inprocess.py, world/process.py) decides 
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from world.faults import FaultState, plain
 from world.plant import Plant
 from world.trace import Trace
 
+Mode = Literal["lockstep", "realtime"]
+
 WATCHDOG = 0.2
 """A robot without a fresh command for so long stops [s], as a real base controller makes it."""
 SHOWN_EVENTS = 40
@@ -31,7 +33,7 @@ KEPT_EVENTS = 5000
 class World:
     """Bodies, links to them, faults, events and figures of one run; `reset` starts another flight of it."""
 
-    def __init__(self, scenario: Scenario, *, epoch: int = 0, endless: bool = False, mode: str = "lockstep") -> None:
+    def __init__(self, scenario: Scenario, *, epoch: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """A world at the start of a flight.
 
         Args:
@@ -187,24 +189,14 @@ class World:
         self.live = live & set(self.robots)
 
     def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
-        """Set keys of a fault from this tick on. Raises FaultError."""
+        """Set keys of a fault from the next tick on. Raises FaultError."""
         self.faults.change(link, changes, until)
-        self._tick_anew()
+        self._apply_faults()
 
     def clear_faults(self, link: str) -> None:
-        """Take back what people set on a link, or on "all", from this tick on. Raises FaultError."""
+        """Take back what people set on a link, or on "all", from the next tick on. Raises FaultError."""
         self.faults.clear(link, self.now)
-        self._tick_anew()
-
-    def _tick_anew(self) -> None:
-        """Faults changed before the tick went out: it shall name the new revision, with the same measurement."""
-        before = self.revision
         self._apply_faults()
-        if self._tick is not None and self.revision != before:
-            tick = self._tick
-            self._tick = Tick(
-                WORLD, tick.seq, tick.stamp, tick.epoch, self.revision, tick.poses, tick.planned, tick.last
-            )
 
     def event(self, kind: Any, text: str) -> None:
         """Note something for people."""
@@ -226,6 +218,7 @@ class World:
             epoch=self.epoch,
             revision=self.revision,
             scenario=self._scenario.model_dump_json(exclude_unset=True),
+            mode=self.mode,
             faults=self._plain_faults(),
         )
 
@@ -262,7 +255,7 @@ class World:
             revision=self.revision,
             scenario=self._scenario.name,
             controller=self._scenario.controller.name,
-            mode="realtime" if self.mode == "realtime" else "lockstep",
+            mode=self.mode,
             status=status,
             waiting_for=list(waiting_for),
             speed=speed,

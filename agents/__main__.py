@@ -1,0 +1,31 @@
+"""The process of one robot's agent."""
+
+import argparse
+import logging
+import sys
+
+from agents.process import Mind
+from formation.errors import EchelonError
+from network.lifetime import Lifetime
+from network.session import Session
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Think until told to end."""
+    parser = argparse.ArgumentParser(prog="python -m agents", description=__doc__)
+    parser.add_argument("--run", required=True, help="name of the run")
+    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    parser.add_argument("--id", required=True, type=int, choices=range(1, 65), metavar="1..64", help="robot's number")
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format=f"%(name)s agent {options.id}: %(message)s", stream=sys.stderr)
+    try:
+        with Session(options.connect, options.run) as session:
+            Mind(session, options.id, Lifetime(session.wake)).run()
+    except EchelonError as error:
+        print(f"agent {options.id}: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

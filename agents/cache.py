@@ -1,0 +1,34 @@
+"""Where compiled kernels are kept, and whether they are there; it does without numba, which is slow to import."""
+
+import hashlib
+import os
+from importlib.metadata import version
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+_SOURCES = [*sorted(_HERE.glob("*kernel*.py")), _HERE / "compiled.py", _HERE.parent / "formation" / "unicycle.py"]
+
+
+def cache_folder() -> Path:
+    """$ECHELON_CACHE, else the user's cache folder; in it one folder per version of the sources.
+
+    numba's own cache does not notice a change in a function that a cached one calls from another file, so the
+    folder's name carries a digest of all of them.
+    """
+    base = os.environ.get("ECHELON_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    digest = hashlib.sha256(version("numba").encode())
+    for source in _SOURCES:
+        digest.update(source.read_bytes())
+    return Path(base) / "echelon" / f"kernels-{digest.hexdigest()[:16]}"
+
+
+def compiled() -> bool:
+    """Whether every kernel has been compiled on this machine."""
+    return (cache_folder() / "complete").exists()
+
+
+def note_compiled() -> None:
+    """Every kernel has just been compiled or loaded."""
+    folder = cache_folder()
+    if folder.is_dir():
+        (folder / "complete").touch()

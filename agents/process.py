@@ -1,0 +1,167 @@
+"""An agent's process: drain the inbox, think, publish.
+
+It answers a tick of a lockstep run only when it holds its upstream neighbour's plan of the tick before, and never uses
+a plan of the same tick: the result then does not depend on which process is faster.
+"""
+
+import os
+from collections import deque
+from queue import Empty
+from time import monotonic, sleep
+
+from agents.agent import Agent, Answer
+from formation.errors import WireError
+from formation.faults import Fault
+from formation.scenario import Scenario
+from network import keys
+from network.codec import decode
+from network.lifetime import Lifetime
+from network.messages import Plan, Tick
+from network.rejects import Rejects
+from network.session import Sample, Session
+
+STATUS_INTERVAL = 0.1
+"""Wall-clock time between two statuses [s]."""
+RETRY_SECONDS = 0.2
+"""Between two tries to hear from the world."""
+KEPT_PLANS = 256
+"""Plans that wait for their tick; older ones go first."""
+
+
+class Mind:
+    """Keeps the agent of one robot in touch with the world and its neighbour."""
+
+    def __init__(self, session: Session, robot: int, lifetime: Lifetime) -> None:
+        self._session, self._robot, self._lifetime = session, robot, lifetime
+        self._rejects = Rejects()
+        self._agent: Agent | None = None
+        self._setup: tuple[int, int] | None = None  # epoch and revision
+        self._lockstep = True
+        self._listening_to: str | None = None
+        self._plans: deque[Plan] = deque(maxlen=KEPT_PLANS)
+        self._tick: Tick | None = None
+        self._last_tick: Tick | None = None
+        self._repeat = False
+        self._answers: deque[Answer] = deque(maxlen=2)
+        self._answered = -1
+        self._missed = 0
+        self._status_due = 0.0
+        run = session.run
+        self._keys = {word: key(run, robot) for word, key in _WORDS.items()}
+        for key in self._keys.values():
+            session.announce(key, reliable=True)
+        session.subscribe(keys.tick(run))
+
+    def run(self) -> None:
+        """Until told to end."""
+        while not (self._learn() or self._lifetime.over):
+            sleep(RETRY_SECONDS)
+        self._session.appear("agent", self._robot)
+        inbox = self._session.inbox
+        while not self._lifetime.over:
+            try:
+                item = inbox.get(timeout=0.5)
+                while True:
+                    if isinstance(item, Sample):
+                        self._take(item)
+                    item = inbox.get_nowait()
+            except Empty:
+                pass
+            if self._tick is not None:
+                self._meet(self._tick)
+
+    def _take(self, sample: Sample) -> None:
+        try:
+            if sample.key.endswith("/tick"):
+                tick = decode(Tick, sample.payload)
+                newest = self._tick or self._last_tick
+                self._repeat |= newest is not None and (tick.epoch, tick.seq) == (newest.epoch, newest.seq)
+                if newest is None or tick.epoch != newest.epoch or tick.seq >= newest.seq:
+                    self._tick = self._last_tick = tick
+                return
+            plan = decode(Plan, sample.payload)
+            if plan.sender != keys.robot_of(sample.key):
+                raise WireError(f"expected the sender named in the key; got {plan.sender}")
+            self._plans.append(plan)
+        except WireError as error:
+            self._rejects.add(sample.key, error)
+
+    def _meet(self, tick: Tick) -> None:
+        """Answer the tick if it can be answered now; if not, it is looked at again when something comes in."""
+        if self._setup != (tick.epoch, tick.revision):
+            self._learn()
+            if self._setup != (tick.epoch, tick.revision):
+                return
+        if self._repeat and self._lockstep:  # the world says it again: something was lost on the way
+            for answer in self._answers:
+                self._say(answer)
+        self._repeat = False
+        agent = self._agent
+        if agent is None or tick.seq <= self._answered:  # not a robot of this scenario, or nothing new
+            self._tick = None
+            return
+        self._hear(agent, tick)
+        if self._lockstep and agent.upstream in tick.planned and agent.heard < tick.seq - 1:
+            return
+        self._tick = None
+        if not self._lockstep and self._answered >= 0:
+            self._missed += tick.seq - self._answered - 1
+        answer = agent.step(tick.seq, tick.stamp, tick.poses[self._robot - 1])
+        self._answered = tick.seq
+        self._answers.append(answer)
+        self._say(answer)
+        now = monotonic()
+        if now >= self._status_due or tick.last:
+            self._status_due = now + STATUS_INTERVAL
+            status = agent.status(
+                tick.seq, tick.stamp, missed=self._missed, rejected=self._rejects.count, pid=os.getpid()
+            )
+            self._session.publish(self._keys["status"], status)
+
+    def _hear(self, agent: Agent, tick: Tick) -> None:
+        """Give the agent the plans from before this tick; those of this tick and of the next flight wait."""
+        while self._plans:
+            plan = self._plans[0]
+            if plan.epoch == tick.epoch + 1 or (plan.epoch == tick.epoch and plan.seq >= tick.seq):
+                return
+            agent.receive(self._plans.popleft())
+
+    def _say(self, answer: Answer) -> None:
+        """The plan first: once the world has the command, the plan is known to be on its way."""
+        if answer.plan is not None:
+            self._session.publish(self._keys["plan"], answer.plan)
+        self._session.publish(self._keys["command"], answer.command)
+
+    def _learn(self) -> bool:
+        """Ask the world what is flown. False if it does not say."""
+        try:
+            setup = self._session.setup()
+        except WireError as error:
+            self._rejects.add("setup", error)
+            return False
+        if setup is None:
+            return False
+        if self._setup is None or self._setup[0] != setup.epoch:
+            self._begin(Scenario.model_validate_json(setup.scenario), setup.epoch)
+            self._lockstep = setup.mode == "lockstep"
+        if self._agent is not None:
+            self._agent.set_faults({link: Fault.model_validate(fault) for link, fault in setup.faults.items()})
+        self._setup = (setup.epoch, setup.revision)
+        return True
+
+    def _begin(self, scenario: Scenario, epoch: int) -> None:
+        """A new flight."""
+        here = self._robot <= scenario.size
+        self._agent = Agent(scenario, self._robot, epoch=epoch) if here else None
+        wanted = keys.plan(self._session.run, self._agent.upstream) if self._agent else None
+        if wanted != self._listening_to:
+            if self._listening_to is not None:
+                self._session.unsubscribe(self._listening_to)
+            if wanted is not None:
+                self._session.subscribe(wanted)
+            self._listening_to = wanted
+        self._answers.clear()
+        self._answered, self._missed = -1, 0
+
+
+_WORDS = {"plan": keys.plan, "command": keys.command, "status": keys.status}

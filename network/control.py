@@ -1,0 +1,139 @@
+"""What people and programs may ask of the world: one model per operation, named in a Request."""
+
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
+
+from formation.errors import EchelonError, unknown
+from formation.model import Duration, Model, NonNegative
+from formation.problems import problems
+from network.messages import Request
+
+
+class Start(Model):
+    """Run, or go on."""
+
+
+class Pause(Model):
+    """Hold time after the current tick."""
+
+
+class Step(Model):
+    """Pause, and run so many ticks."""
+
+    ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
+
+
+class Reset(Model):
+    """Start the flight again."""
+
+
+class Speed(Model):
+    """Simulated seconds per second; 0 means as fast as possible."""
+
+    speed: Annotated[NonNegative, Field(le=1000.0)]
+
+
+class SetFault(Model):
+    """Change keys of a link's fault, for some simulated time or until further notice."""
+
+    link: str = "all"
+    changes: dict[str, Any]
+    """Keys of formation.faults.Fault."""
+    seconds: Annotated[Duration, Field(gt=0.0)] | None = None
+
+
+class SetPreset(Model):
+    """Give a link the fault of a preset."""
+
+    link: str = "all"
+    preset: str
+    seconds: Annotated[Duration, Field(gt=0.0)] | None = None
+
+
+class Clear(Model):
+    """Take back what people set on a link, and end what the schedule has on now."""
+
+    link: str = "all"
+
+
+class UseScenario(Model):
+    """Fly another scenario."""
+
+    scenario: str
+    """A shipped name."""
+    settings: list[str] = []
+    """key=value, as after --set."""
+
+
+class UseController(Model):
+    """Fly the same scenario again with another controller."""
+
+    controller: str
+
+
+class Stop(Model):
+    """End the run and its processes."""
+
+
+class GetSetup(Model):
+    """Answered by a Setup instead of a Reply."""
+
+
+class GetSummary(Model):
+    """The reply's value holds the figures of the flight."""
+
+    warmup: NonNegative = 0.0
+
+
+Operation = (
+    Start
+    | Pause
+    | Step
+    | Reset
+    | Speed
+    | SetFault
+    | SetPreset
+    | Clear
+    | UseScenario
+    | UseController
+    | Stop
+    | GetSetup
+    | GetSummary
+)
+OPERATIONS: dict[str, type[Operation]] = {
+    "start": Start,
+    "pause": Pause,
+    "step": Step,
+    "reset": Reset,
+    "speed": Speed,
+    "fault": SetFault,
+    "preset": SetPreset,
+    "clear": Clear,
+    "scenario": UseScenario,
+    "controller": UseController,
+    "stop": Stop,
+    "setup": GetSetup,
+    "summary": GetSummary,
+}
+_NAMES = {model: name for name, model in OPERATIONS.items()}
+
+
+def request(operation: Operation) -> Request:
+    """The operation as a message."""
+    return Request(_NAMES[type(operation)], operation.model_dump(exclude_unset=True))
+
+
+def operation(message: Request) -> Operation:
+    """The operation that a message asks for.
+
+    Raises:
+        EchelonError: there is no such operation, or its arguments are wrong; the text lists what there is.
+    """
+    model = OPERATIONS.get(message.operation)
+    if model is None:
+        raise EchelonError(unknown("operation", message.operation, OPERATIONS))
+    try:
+        return model.model_validate(message.arguments)
+    except ValidationError as error:
+        raise EchelonError("; ".join(problems(error, model))) from None

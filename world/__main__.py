@@ -1,0 +1,45 @@
+"""The world process of a run."""
+
+import argparse
+import logging
+import secrets
+import sys
+
+from formation.errors import EchelonError
+from formation.scenario import load
+from network.lifetime import Lifetime
+from network.session import Session
+from world.process import Driver
+from world.world import World
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Drive the world until told to end."""
+    parser = argparse.ArgumentParser(prog="python -m world", description=__doc__)
+    parser.add_argument("--run", required=True, help="name of the run")
+    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    parser.add_argument("--scenario", required=True, help="name or TOML file")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument("--realtime", action="store_true", help="step by the wall clock, not in lockstep")
+    parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second; 0: as fast as possible")
+    parser.add_argument("--endless", action="store_true", help="fly closed paths on past the scenario's duration")
+    parser.add_argument("--paused", action="store_true", help="wait for a start command")
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
+    try:
+        scenario = load(options.scenario, options.settings)
+        with Session(options.connect, options.run) as session:
+            lifetime = Lifetime(session.wake)
+            # A world that was started again must not be mistaken for the one before.
+            epoch = secrets.randbits(32)
+            mode = "realtime" if options.realtime else "lockstep"
+            world = World(scenario, epoch=epoch, endless=options.endless, mode=mode)
+            Driver(session, world, lifetime, speed=options.speed, start=not options.paused).run()
+    except EchelonError as error:
+        print(f"world: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -197,6 +197,9 @@ def damaged(payload: bytes, damage: float) -> bytes:
     """The payload with one to three bytes flipped; `damage` in [0, 1) says which and how."""
     data = bytearray(payload)
     bits = int(damage * 2**53)
+    flips: dict[int, int] = {}  # by place, so that two flips of one byte cannot undo each other
     for n in range(1 + bits % 3):
-        data[(bits // (7 + 1000 * n)) % len(data)] ^= 1 + (bits >> (8 * n + 3)) % 255
+        flips.setdefault((bits // (7 + 1000 * n)) % len(data), 1 + (bits >> (8 * n + 3)) % 255)
+    for place, mask in flips.items():
+        data[place] ^= mask
     return bytes(data)

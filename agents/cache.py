@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import shutil
 from importlib.metadata import version
 from pathlib import Path
 
@@ -25,6 +26,15 @@ def cache_folder() -> Path:
 def compiled() -> bool:
     """Whether every kernel has been compiled on this machine."""
     return (cache_folder() / "complete").exists()
+
+
+def fetch_prebuilt() -> None:
+    """Copy kernels that an image brings with it in $ECHELON_PREBUILT: numba only loads from where it may write."""
+    prebuilt = os.environ.get("ECHELON_PREBUILT")
+    if prebuilt and not compiled():
+        source = Path(prebuilt) / "echelon" / cache_folder().name
+        if source.is_dir():
+            shutil.copytree(source, cache_folder(), dirs_exist_ok=True)
 
 
 def note_compiled() -> None:

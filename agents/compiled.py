@@ -5,8 +5,9 @@ from typing import Any
 
 import numba
 
-from agents.cache import cache_folder
+from agents.cache import cache_folder, fetch_prebuilt
 
+fetch_prebuilt()
 numba.config.CACHE_DIR = str(cache_folder())
 
 REAL, WHOLE, NOTHING = numba.float64, numba.int64, numba.void

@@ -32,11 +32,12 @@ def fly(scenario: Scenario, *, progress: Callable[[float], None] | None = None, 
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
         answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
+        if tick.last:
+            for agent in agents.values():
+                world.hear(agent.status(tick.seq, tick.stamp))
         for robot, answer in answers.items():
             if answer.plan is not None:
                 agents[downstream(robot, len(agents))].receive(answer.plan)
-            if tick.last:
-                world.hear(agents[robot].status(tick.seq, tick.stamp))
         world.advance({robot: answer.command for robot, answer in answers.items()})
         if progress and tick.seq % PROGRESS_TICKS == 0:
             progress(world.now)

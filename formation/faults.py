@@ -4,7 +4,7 @@ How a fault acts on messages stands in network/link.py; who decides which fault 
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from pydantic import ValidationError, model_validator
@@ -41,6 +41,29 @@ class Fault(Model):
     cut: bool = False
     """Nothing passes."""
 
+    def plain(self) -> dict[str, Any]:
+        """The keys that differ from a perfect link's."""
+        return {key: value for key, value in self.model_dump().items() if value != Fault.model_fields[key].default}
+
+    def words(self) -> str:
+        """In a few words for people."""
+        if self.cut:
+            return "cut"
+        return ", ".join(_WORDS[key](value) for key, value in self.plain().items()) or "healthy"
+
+
+_WORDS: Mapping[str, Callable[[Any], str]] = {
+    "latency": lambda v: f"latency {v * 1e3:g} ms",
+    "jitter": lambda v: f"jitter {v * 1e3:g} ms",
+    "distribution": lambda v: f"({v})",
+    "loss": lambda v: f"loss {v * 100:g} %",
+    "burst": lambda v: f"bursts of {v:g}",
+    "duplicate": lambda v: f"duplicates {v * 100:g} %",
+    "reorder": lambda v: f"reorders {v * 100:g} %",
+    "keep_order": lambda _: "in order",
+    "rate": lambda v: f"at most {v:g}/s",
+    "corrupt": lambda v: f"corrupts {v * 100:g} %",
+}
 
 PERFECT = Fault()
 """A link without faults."""

@@ -48,7 +48,7 @@ class FaultState:
             table[link] = with_changes(table.get(link, PERFECT), override.changes)
         table = {link: fault for link, fault in table.items() if fault != PERFECT}
         lines = [
-            f"{link}: {describe(table.get(link, PERFECT))}"
+            f"{link}: {table.get(link, PERFECT).words()}"
             for link in sorted({*table, *self.table})
             if table.get(link) != self.table.get(link)
         ]
@@ -94,28 +94,3 @@ class FaultState:
 
 def _on(entry: ScheduledFault, now: float) -> bool:
     return now >= entry.at - 1e-9 and (entry.until is None or now < entry.until - 1e-9)
-
-
-def plain(fault: Fault) -> dict[str, Any]:
-    """The keys of a fault that differ from a perfect link's."""
-    return {key: value for key, value in fault.model_dump().items() if value != getattr(PERFECT, key)}
-
-
-def describe(fault: Fault) -> str:
-    """A fault in a few words for people."""
-    words = {
-        "latency": lambda v: f"latency {v * 1e3:g} ms",
-        "jitter": lambda v: f"jitter {v * 1e3:g} ms",
-        "distribution": lambda v: f"({v})",
-        "loss": lambda v: f"loss {v * 100:g} %",
-        "burst": lambda v: f"bursts of {v:g}",
-        "duplicate": lambda v: f"duplicates {v * 100:g} %",
-        "reorder": lambda v: f"reorders {v * 100:g} %",
-        "keep_order": lambda _: "in order",
-        "rate": lambda v: f"at most {v:g}/s",
-        "corrupt": lambda v: f"corrupts {v * 100:g} %",
-        "cut": lambda _: "cut",
-    }
-    if fault.cut:
-        return "cut"
-    return ", ".join(words[key](value) for key, value in plain(fault).items()) or "healthy"

@@ -63,6 +63,8 @@ class Driver:
         self._due = self._state_due = monotonic()
         self._pace: deque[tuple[float, float]] = deque()
         self._stop = False
+        self._began: float | None = None  # wall clock at the flight's first and after its last tick
+        self._ended = 0.0
         self._lost_at: float | None = None
         run = session.run
         self._keys = {"tick": keys.tick(run), "state": keys.state(run)}
@@ -84,8 +86,10 @@ class Driver:
                 self._listen(0.02)
                 self._due = monotonic()
             elif self._world.mode == "lockstep":
+                self._note_begin()
                 self._lockstep()
             else:
+                self._note_begin()
                 self._realtime()
         self._say_state(now=True)
 
@@ -128,10 +132,15 @@ class Driver:
         self._after_tick()
 
     def _after_tick(self) -> None:
+        self._ended = monotonic()
         if self._budget:
             self._budget -= 1
         if self._world.finished:
             self._gather_last_words()
+
+    def _note_begin(self) -> None:
+        if self._world.k == 0:
+            self._began = monotonic()
 
     def _wait_until_due(self) -> None:
         """Keep the pace, listening meanwhile."""
@@ -297,7 +306,8 @@ class Driver:
             case control.Stop():
                 self._stop = True
             case control.GetSummary(warmup=warmup):
-                return world.summary(warmup=warmup)
+                wall = self._ended - self._began if self._began is not None else 0.0
+                return {**world.summary(warmup=warmup), "wall_s": wall, "overruns": self._overruns}
         return {}
 
     def _use(self, scenario: Scenario) -> None:

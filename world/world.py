@@ -18,7 +18,7 @@ from formation.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
 from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
-from world.faults import FaultState, plain
+from world.faults import FaultState
 from world.plant import Plant
 from world.trace import Trace
 
@@ -223,7 +223,7 @@ class World:
         )
 
     def _plain_faults(self) -> dict[str, dict[str, Any]]:
-        return {link: plain(fault) for link, fault in self.faults.table.items()}
+        return {link: fault.plain() for link, fault in self.faults.table.items()}
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The figures of the flight so far; empty for an endless one."""

@@ -1,0 +1,20 @@
+# One image for every process of a run; compose.yaml says which process a container is.
+FROM python:3.11-slim
+WORKDIR /opt/echelon
+COPY pyproject.toml constraints.txt README.md ./
+COPY formation formation
+COPY network network
+COPY agents agents
+COPY world world
+COPY dashboard dashboard
+COPY fleet fleet
+COPY experiments experiments
+COPY cli cli
+COPY scenarios scenarios
+RUN pip install --no-cache-dir -c constraints.txt .
+# The solver is compiled here, once; containers copy it to their /tmp, because their root is read-only.
+ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
+RUN ECHELON_CACHE=/opt/kernels python -c "from fleet.compiling import ensure_compiled; ensure_compiled(print)"
+# Nothing is imported from here at run time: the packages are installed.
+WORKDIR /tmp
+USER 10001:10001

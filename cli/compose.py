@@ -1,0 +1,21 @@
+"""`echelon compose`: a compose file for a scenario."""
+
+import argparse
+
+from cli.options import add_scenario, load
+from fleet.compose import compose_file
+from formation.errors import ScenarioError, unknown
+from formation.scenario import shipped
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    add_scenario(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print it."""
+    if options.scenario not in shipped():
+        raise ScenarioError(unknown("scenario in the image", options.scenario, shipped()))
+    scenario, settings = load(options)
+    print(compose_file(options.scenario, scenario, settings), end="")

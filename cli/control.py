@@ -1,0 +1,66 @@
+"""`echelon control`: time of a live run."""
+
+import argparse
+
+from cli.options import add_run, session
+from cli.talk import ask
+from formation.errors import EchelonError
+from network import control
+from network.control import Operation
+
+_ACTIONS = {
+    "start": "run, or go on",
+    "pause": "hold time",
+    "step": "pause, and run one tick or several",
+    "reset": "start the flight again",
+    "speed": "simulated seconds per second; 0: as fast as possible",
+    "scenario": "fly another scenario",
+    "controller": "fly again with another controller",
+    "stop": "end the run and its processes",
+}
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    actions = parser.add_subparsers(dest="action", metavar="|".join(_ACTIONS), required=True)
+    for name, text in _ACTIONS.items():
+        action = actions.add_parser(name, help=text)
+        if name == "step":
+            action.add_argument("value", nargs="?", default="1", metavar="TICKS")
+        elif name in ("speed", "scenario", "controller"):
+            action.add_argument("value", metavar=name.upper())
+        add_run(action)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Tell the world."""
+    operation = _operation(options.action, getattr(options, "value", ""))
+    with session(options) as live:
+        ask(live, operation)
+
+
+def _operation(action: str, value: str) -> Operation:
+    match action:
+        case "step":
+            return control.Step.model_validate({"ticks": _number(action, value, int)})
+        case "speed":
+            speed = _number(action, value.removeprefix("x"), float)
+            if not 0.0 <= speed <= 1000.0:
+                raise EchelonError(f"speed: expected 0 (as fast as possible) to 1000; got {value}")
+            return control.Speed(speed=speed)
+        case "scenario":
+            return control.UseScenario(scenario=value)
+        case "controller":
+            return control.UseController(controller=value)
+        case _:
+            return control.OPERATIONS[action]()
+
+
+def _number(action: str, value: str, kind: type[int] | type[float]) -> float:
+    try:
+        number = kind(value)
+    except ValueError:
+        raise EchelonError(f"{action}: expected a number; got {value!r}") from None
+    if action == "step" and not 1 <= number <= 100_000:
+        raise EchelonError(f"step: expected 1 to 100000 ticks; got {value}")
+    return number

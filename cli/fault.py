@@ -1,0 +1,76 @@
+"""`echelon fault`: break and mend the links of a live run."""
+
+import argparse
+import json
+from typing import Any
+
+from cli.options import add_run, session
+from cli.talk import ask, newest_state
+from formation.errors import FaultError
+from formation.faults import PERFECT, PRESETS, Fault, with_changes
+from network.control import Clear, SetFault, SetPreset
+
+_KEYS = {
+    "latency": ("TIME", "delay of every message, such as 300ms"),
+    "jitter": ("TIME", "spread of the delay"),
+    "distribution": ("NAME", "of the jitter: uniform, normal or pareto"),
+    "loss": ("SHARE", "of messages lost, such as 30%%"),
+    "burst": ("N", "mean number of messages lost in a row"),
+    "duplicate": ("SHARE", "of messages that arrive twice"),
+    "reorder": ("SHARE", "of messages that overtake"),
+    "rate": ("N", "messages a second that pass; 0: no limit"),
+    "corrupt": ("SHARE", "of messages with flipped bytes"),
+}
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    actions = parser.add_subparsers(dest="action", metavar="set|preset|clear|show", required=True)
+    change = actions.add_parser("set", help="change what a link does; keys not named stay as they are")
+    for key, (value, text) in _KEYS.items():
+        change.add_argument(f"--{key}", metavar=value, help=text)
+    change.add_argument("--cut", action="store_true", default=None, help="nothing passes")
+    change.add_argument("--mend", action="store_false", dest="cut", help="messages pass again")
+    change.add_argument("--keep-order", action="store_true", default=None, help="messages do not overtake")
+    preset = actions.add_parser("preset", help="give a link a named fault")
+    preset.add_argument("name", help=", ".join(PRESETS))
+    clear = actions.add_parser("clear", help="take back what was set, and what the schedule has on now")
+    show = actions.add_parser("show", help="every link that is not healthy")
+    show.add_argument("--json", action="store_true", help="print one JSON object")
+    for action in (change, preset, clear):
+        action.add_argument("--link", default="all", help='such as "2->1"; default: all links of the ring')
+    for action in (change, preset):
+        action.add_argument("--for", dest="seconds", metavar="TIME", help="until then, such as 10s (simulated time)")
+    for action in (change, preset, clear, show):
+        add_run(action)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Do it, or show what there is."""
+    changes: dict[str, Any] = {}
+    if options.action == "set":
+        given = {key: getattr(options, key) for key in (*_KEYS, "cut", "keep_order")}
+        wished = {key: value for key, value in given.items() if value is not None}
+        if not wished:
+            raise FaultError(f"expected at least one of {', '.join('--' + key for key in (*_KEYS, 'cut', 'mend'))}")
+        checked = with_changes(PERFECT, wished)
+        changes = {key: getattr(checked, key) for key in wished}
+    with session(options) as live:
+        match options.action:
+            case "set":
+                ask(live, SetFault(link=options.link, changes=changes, seconds=options.seconds))
+            case "preset":
+                ask(live, SetPreset(link=options.link, preset=options.name, seconds=options.seconds))
+            case "clear":
+                ask(live, Clear(link=options.link))
+            case _:
+                _show(newest_state(live).faults, as_json=options.json)
+
+
+def _show(faults: dict[str, dict[str, Any]], *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(faults))
+    elif not faults:
+        print("every link is healthy")
+    for link, keys in () if as_json else sorted(faults.items()):
+        print(f"{link}: {Fault.model_validate(keys).words()}")

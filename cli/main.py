@@ -1,0 +1,54 @@
+"""The console script: finds the command and runs it; a person's mistake is one line and exit code 2."""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+COMMANDS = {
+    "up": "fly a formation live: start its processes and the dashboard",
+    "run": "fly without a page and print the figures",
+    "fault": "break and mend links of a live run",
+    "control": "start, pause, step, reset, speed up or stop a live run",
+    "status": "tell how a live run is doing",
+    "scenarios": "list the scenarios",
+    "compose": "print a compose file for a scenario",
+    "doctor": "check what a run needs",
+}
+"""Every command is a module of this room with `arguments(parser)` and `run(options)`."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Returns:
+        0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command says.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(
+        prog="echelon", description="Formations of wheeled robots whose minds are separate processes."
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, text in COMMANDS.items():
+        command = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+        if name in words[:1]:  # only this command's module is imported: some are slow to
+            importlib.import_module(f"cli.{name}").arguments(command)
+    options = parser.parse_args(words)
+    return _guarded(options)
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    module = importlib.import_module(f"cli.{options.command}")
+    errors = importlib.import_module("formation.errors")
+    try:
+        return int(module.run(options) or 0)
+    except errors.EchelonError as error:
+        for line in str(error).splitlines():
+            print(f"echelon {options.command}: {line}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

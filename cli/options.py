@@ -1,0 +1,79 @@
+"""Options that several commands share."""
+
+import argparse
+
+from fleet.runs import find
+from formation import scenario
+from formation.errors import ScenarioError
+from formation.faults import PRESETS
+from formation.scenario import Scenario
+from network.session import Session
+
+DEFAULT_SCENARIO = "triangle-circle"
+
+
+def add_scenario(parser: argparse.ArgumentParser) -> None:
+    """What to fly, and how it differs from its file."""
+    parser.add_argument(
+        "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
+    )
+    parser.add_argument("--controller", help="nash, paper or leader_follower")
+    parser.add_argument("--faults", metavar="PRESET|FILE", help=f"{', '.join(PRESETS)}, or a TOML file with [[faults]]")
+    parser.add_argument("--seed", help="of noise and faults")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
+    )
+
+
+def settings(options: argparse.Namespace) -> list[str]:
+    """The scenario's changes as key=value.
+
+    Raises:
+        ScenarioError: the preset or file of --faults does not exist.
+    """
+    found = list(options.settings)
+    if options.controller is not None:
+        found.append(f"controller.name={options.controller}")
+    if options.seed is not None:
+        found.append(f"seed={options.seed}")
+    if options.faults is not None:
+        found.append(f"faults={_faults(options.faults)}")
+    return found
+
+
+def _faults(name: str) -> str:
+    """A TOML value for the scenario's `faults`."""
+    if name in PRESETS:
+        return f'[{{ preset = "{name}" }}]'
+    if not name.endswith(".toml"):
+        choices = ", ".join([*PRESETS, "FILE.toml"])
+        raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
+    entries = scenario.read(name).get("faults", [])
+    tables = [", ".join(f"{key} = {_value(value)}" for key, value in entry.items()) for entry in entries]
+    return "[" + ", ".join(f"{{ {table} }}" for table in tables) + "]"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, int | float) else '"' + str(value).replace('"', "") + '"'
+
+
+def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
+    """The scenario, and the key=value settings that make it from its file. Raises ScenarioError."""
+    changes = settings(options)
+    return scenario.load(options.scenario, changes), changes
+
+
+def add_run(parser: argparse.ArgumentParser) -> None:
+    """Which live run to talk to."""
+    parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
+    parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
+
+
+def session(options: argparse.Namespace) -> Session:
+    """A session with the run that the options name. Raises EchelonError."""
+    if options.connect is not None:
+        return Session(options.connect, options.run or "echelon")
+    run = find(options.run)
+    return Session(run.endpoint, run.name)

@@ -1,0 +1,127 @@
+"""`echelon run`: one flight from start to end, and its figures."""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from cli.options import add_scenario, load
+from fleet.compiling import ensure_compiled
+from fleet.live import LiveRun
+from formation.errors import EchelonError
+from formation.scenario import Scenario
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    add_scenario(parser)
+    parser.add_argument("--engine", choices=["processes", "inprocess"], default="processes", help="default: processes")
+    parser.add_argument("--duration", metavar="T", help="simulated time, such as 40 or 2min")
+    parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
+    parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fly and print the figures."""
+    if options.duration is not None:
+        options.settings.append(f"duration={options.duration}")
+    scenario, settings = load(options)
+    if not 0.0 <= options.warmup < scenario.duration:
+        raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
+    if options.realtime and options.engine == "inprocess":
+        raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
+    with _progress(scenario) as report:
+        if options.engine == "inprocess":
+            summary = _inprocess(scenario, options.warmup, report)
+        else:
+            summary = _processes(scenario, options, settings, report)
+    if options.json:
+        print(json.dumps(summary))
+    else:
+        _print(summary)
+    return 0
+
+
+def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
+    ensure_compiled(_tell)
+    from fleet import inprocess  # noqa: PLC0415  numba takes half a second to import, the other engine does without
+
+    return inprocess.fly(scenario, warmup=warmup, progress=report)
+
+
+def _processes(
+    scenario: Scenario, options: argparse.Namespace, settings: list[str], report: Callable[[float], None]
+) -> dict[str, Any]:
+    speed = 1.0 if options.realtime else 0.0
+    source = options.scenario if not options.scenario.endswith(".toml") else os.path.abspath(options.scenario)
+    name = f"run-{os.getpid()}"
+    with LiveRun(name, scenario, source, settings, tell=_tell, speed=speed, realtime=options.realtime) as live:
+        while live.watch():
+            state = live.state
+            if state is None:
+                continue
+            report(state.stamp)
+            if state.status == "finished":
+                return {**live.summary(options.warmup), "engine": "processes"}
+    raise EchelonError("the run was stopped before its end")
+
+
+class _progress:
+    """A progress bar on a terminal; silent elsewhere."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.completed:.0f}/{task.total:.0f} s"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            transient=True,
+            disable=not sys.stderr.isatty(),
+        )
+        self._task = self._bar.add_task(scenario.name, total=scenario.duration)
+
+    def __enter__(self) -> Callable[[float], None]:
+        self._bar.start()
+        return lambda stamp: self._bar.update(self._task, completed=stamp)
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+
+def _print(summary: dict[str, Any]) -> None:
+    console = Console()
+    console.print(
+        f"[bold]{summary['scenario']}[/] with {summary['controller']}, seed {summary['seed']}: "
+        f"{summary['duration']:g} s in {summary['wall_s']:.2f} s ({summary['engine']}), measured from {summary['warmup']:g} s"
+    )
+    errors = Table("pattern error", "rms mm", "median mm", "p95 mm", "max mm", "angle rms rad")
+    for robot, figures in summary["robots"].items():
+        d, a = figures["distance_error_m"], figures["angle_error_rad"]
+        errors.add_row(f"robot {robot}", *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), f"{a['rms']:.2g}")
+    t = summary["tracking_error_m"]
+    errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "")
+    console.print(errors)
+    links = Table("link", "sent", "delivered", "lost", "late", "age median s", "p95 s", "max s")
+    for link, figures in summary["links"].items():
+        age = figures["age_s"]
+        ages = ["-" if age[key] is None else f"{age[key]:.3f}" for key in ("median", "p95", "max")]
+        links.add_row(link, *(str(figures[key]) for key in ("sent", "delivered", "lost", "late")), *ages)
+    console.print(links)
+    solve = summary["solve_s"]
+    if solve["median"] is not None:
+        console.print(f"a plan takes {solve['median'] * 1e6:.0f} us (median), {solve['p99'] * 1e6:.0f} us (p99)")
+    for event in [e for e in summary["events"] if e["kind"] != "run"][-10:]:
+        console.print(f"t = {event['t']:.2f} s: {event['text']}", markup=False)
+    console.print(f"trajectory {summary['trajectory_sha256']}")
+
+
+def _tell(line: str) -> None:
+    print(f"echelon: {line}", file=sys.stderr, flush=True)

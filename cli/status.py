@@ -1,0 +1,63 @@
+"""`echelon status`: how a live run is doing."""
+
+import argparse
+import dataclasses
+import json
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from cli.options import add_run, session
+from cli.talk import newest_state
+from fleet.runs import live as live_runs
+from formation.faults import Fault
+from network.messages import State
+
+MILLI = 1e3
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    add_run(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the world's newest state."""
+    with session(options) as live:
+        state = newest_state(live)
+        name = live.run
+    page = next((run.page for run in live_runs() if run.name == name), "")
+    if options.json:
+        print(json.dumps({"run": name, "page": page, **_plain(state)}))
+    else:
+        _print(name, page, state)
+
+
+def _plain(state: State) -> dict[str, object]:
+    return {
+        key: value.tolist() if isinstance(value, np.ndarray) else value
+        for key, value in dataclasses.asdict(state).items()
+    }
+
+
+def _print(name: str, page: str, state: State) -> None:
+    console = Console()
+    waiting = f", waiting for agents {', '.join(map(str, state.waiting_for))}" if state.waiting_for else ""
+    console.print(
+        f"[bold]{name}[/]: {state.status} at t = {state.stamp:.2f} s, {state.scenario} with {state.controller}, "
+        f"{state.mode} at x{state.pace:.2g}{waiting}"
+    )
+    if page:
+        console.print(f"page: {page}")
+    table = Table("robot", "agent", "distance error mm", "angle error rad")
+    for i, (distance, angle) in enumerate(zip(state.distance_errors, state.angle_errors, strict=True), start=1):
+        alive = "alive" if i in state.live else "lost"
+        table.add_row(str(i), alive + (", stopped" if i in state.stopped else ""), f"{distance * MILLI:.3f}", f"{angle:.4f}")
+    console.print(table)
+    console.print(f"centre to path {state.tracking_error * MILLI:.3f} mm")
+    for link, fault in sorted(state.faults.items()):
+        console.print(f"link {link}: {Fault.model_validate(fault).words()}", markup=False)
+    for event in state.events[-5:]:
+        console.print(f"t = {event.stamp:.2f} s: {event.text}", markup=False)

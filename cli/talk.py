@@ -1,0 +1,45 @@
+"""Talking with the world of a live run from a command."""
+
+from queue import Empty
+from time import monotonic
+
+from formation.errors import EchelonError
+from network import keys
+from network.codec import decode
+from network.control import Operation
+from network.messages import Reply, State
+from network.session import Sample, Session
+
+ANSWER_SECONDS = 3.0
+
+
+def ask(session: Session, operation: Operation) -> Reply:
+    """Have the world do something.
+
+    Raises:
+        EchelonError: it does not answer, or refuses; the text is its reason.
+    """
+    reply = session.ask(operation, timeout=ANSWER_SECONDS)
+    if reply is None:
+        raise EchelonError(f"expected the world of run {session.run} to answer; it does not (echelon status)")
+    if not reply.ok:
+        raise EchelonError(reply.reason)
+    return reply
+
+
+def newest_state(session: Session) -> State:
+    """What the world says now.
+
+    Raises:
+        EchelonError: it says nothing.
+    """
+    session.subscribe(keys.state(session.run))
+    until = monotonic() + ANSWER_SECONDS
+    while monotonic() < until:
+        try:
+            item = session.inbox.get(timeout=0.1)
+        except Empty:
+            continue
+        if isinstance(item, Sample):
+            return decode(State, item.payload)
+    raise EchelonError(f"expected the world of run {session.run} to say how it is; it is silent")

@@ -1,0 +1,78 @@
+"""`echelon up`: a live run on this machine, until Ctrl-C."""
+
+import argparse
+import socket
+import sys
+from pathlib import Path
+
+from cli.options import add_scenario, load
+from fleet.live import LiveRun
+from fleet.runs import free_name
+from formation.errors import EchelonError
+
+DEFAULT_PORT = 8090
+LOOPBACK = "127.0.0.1"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """What the command accepts."""
+    add_scenario(parser)
+    parser.add_argument("--run", metavar="NAME", help="name of the run (default: the scenario's)")
+    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"of the page (default: {DEFAULT_PORT}; 0: any)")
+    parser.add_argument("--no-dashboard", action="store_true", help="do without the page")
+    parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
+    parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
+    parser.add_argument("--paused", action="store_true", help="wait for Start")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fly until told to stop."""
+    scenario, settings = load(options)
+    if not 0.0 <= options.speed <= 1000.0:
+        raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
+    dashboard = None if options.no_dashboard else (LOOPBACK, _port(options.port))
+    name = options.run or free_name(scenario.name)
+    with LiveRun(
+        name,
+        scenario,
+        _absolute(options.scenario),
+        settings,
+        tell=_tell,
+        dashboard=dashboard,
+        realtime=options.realtime,
+        speed=options.speed,
+        paused=options.paused,
+        endless=True,
+    ) as live:
+        _tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        shown = 0
+        try:
+            while live.watch():
+                for event in live.state.events if live.state else ():
+                    if event.number > shown:
+                        shown = event.number
+                        _tell(f"t = {event.stamp:.2f} s: {event.text}")
+        except KeyboardInterrupt:
+            _tell("stopping")
+    return 0
+
+
+def _port(port: int) -> int:
+    """The port if it is free, or any free one for 0."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((LOOPBACK, port))
+        except (OSError, OverflowError):
+            raise EchelonError(
+                f"--port: expected a free port of {LOOPBACK}; got {port}, which is taken or not allowed (0 takes any free one)"
+            ) from None
+        return int(probe.getsockname()[1])
+
+
+def _absolute(source: str) -> str:
+    return str(Path(source).resolve()) if source.endswith(".toml") or "/" in source else source
+
+
+def _tell(line: str) -> None:
+    print(f"echelon: {line}", file=sys.stderr, flush=True)

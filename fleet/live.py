@@ -1,0 +1,124 @@
+"""A run as supervised processes: up with its processes, along with the world, down without a trace."""
+
+import signal
+from collections.abc import Callable
+from queue import Empty
+from types import TracebackType
+from typing import Any, Self
+
+from fleet.compiling import ensure_compiled
+from fleet.processes import Plan, agent, programs
+from fleet.runs import Claim
+from fleet.supervisor import Supervisor
+from formation.errors import EchelonError, WireError
+from formation.scenario import Scenario
+from network import keys
+from network.codec import decode
+from network.control import GetSummary
+from network.messages import State
+from network.session import Sample, Session
+
+WATCH_SECONDS = 0.1
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+class LiveRun:
+    """Processes of one run. Use as a context manager: leaving it ends them all."""
+
+    def __init__(
+        self,
+        name: str,
+        scenario: Scenario,
+        source: str,
+        settings: list[str],
+        *,
+        tell: Callable[[str], None],
+        **options: Any,
+    ) -> None:
+        """Claim the name; nothing is started yet.
+
+        Args:
+            name: of the run.
+            scenario: what is flown, already checked.
+            source, settings: name or file, and key=value, from which the world makes the same scenario.
+            tell: told a line when something happens that people should know.
+            options: of fleet.processes.Plan.
+
+        Raises:
+            EchelonError: the name is in use.
+        """
+        self._scenario, self._tell = scenario, tell
+        page = options.get("dashboard")
+        self._claim = Claim(name, page=f"http://{page[0]}:{page[1]}" if page else "")
+        self._plan = Plan(
+            name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
+        )
+        self._supervisor = Supervisor(name, tell)
+        self._session: Session | None = None
+        self._state: State | None = None
+
+    def __enter__(self) -> Self:
+        signal.signal(signal.SIGTERM, _interrupt)
+        try:
+            ensure_compiled(self._tell)
+            self._supervisor.start(programs(self._plan, self._scenario))
+            self._session = Session(self._plan.connect, self._plan.run)
+            self._session.subscribe(keys.state(self._plan.run))
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        # A second Ctrl-C must not interrupt the tidying up.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        self._supervisor.stop()
+        if self._session is not None:
+            self._session.close()
+        self._claim.__exit__()
+
+    @property
+    def state(self) -> State | None:
+        """The newest state that the world has said."""
+        return self._state
+
+    def watch(self) -> bool:
+        """Look after the run for a moment. Returns False once the world was told to stop.
+
+        Raises:
+            EchelonError: the world could not begin, or a process cannot be kept alive.
+        """
+        code = self._supervisor.watch(WATCH_SECONDS)
+        if code is not None:
+            if code:
+                raise EchelonError(f"the world ended with exit code {code}")
+            return False
+        self._listen()
+        if self._state is not None:
+            missing = set(self._state.waiting_for) - self._supervisor.numbers
+            self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
+        return True
+
+    def _listen(self) -> None:
+        assert self._session is not None
+        try:
+            while True:
+                item = self._session.inbox.get_nowait()
+                if isinstance(item, Sample):
+                    self._state = decode(State, item.payload)
+        except (Empty, WireError):
+            pass
+
+    def summary(self, warmup: float) -> dict[str, Any]:
+        """The figures of the flight. Raises EchelonError if the world does not say."""
+        assert self._session is not None
+        reply = self._session.ask(GetSummary(warmup=warmup), timeout=10.0)
+        if reply is None or not reply.ok:
+            raise EchelonError(f"expected the figures of the flight; got {reply.reason if reply else 'no answer'}")
+        return reply.value

@@ -1,0 +1,44 @@
+"""Whether a process of a run is alive, as others see it; for the health checks of containers."""
+
+import argparse
+import sys
+from queue import Empty
+from time import monotonic
+
+from formation.errors import EchelonError
+from network.session import Presence, Session
+
+SECONDS = 3.0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit code 0 if it is, 1 if not."""
+    parser = argparse.ArgumentParser(prog="python -m network.health", description=__doc__)
+    parser.add_argument("--run", required=True)
+    parser.add_argument("--connect", required=True)
+    parser.add_argument("--role", required=True, choices=["router", "world", "agent", "dashboard"])
+    parser.add_argument("--id", type=int, default=0)
+    options = parser.parse_args(arguments)
+    try:
+        with Session(options.connect, options.run) as session:
+            return 0 if options.role == "router" or _seen(session, options.role, options.id) else 1
+    except EchelonError as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+def _seen(session: Session, role: str, number: int) -> bool:
+    session.watch()
+    until = monotonic() + SECONDS
+    while monotonic() < until:
+        try:
+            item = session.inbox.get(timeout=0.1)
+        except Empty:
+            continue
+        if isinstance(item, Presence) and item.here and (item.role, item.number) == (role, number):
+            return True
+    return False
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -80,9 +80,14 @@ def square(robots: int, spacing: float) -> FloatArray:
 
 
 def wedge(robots: int, spacing: float) -> FloatArray:
-    """A V with its point in front and a right angle between its arms, robot 1 at the right end."""
+    """A V with its point in front and a right angle between its arms, robot 1 at the right end.
+
+    An even number has two robots side by side in front.
+    """
     arm = np.arange(robots) - (robots - 1) / 2.0
-    offsets = spacing * math.sqrt(0.5) * np.stack([-np.abs(arm), arm], axis=1)
+    front = np.abs(arm).min()
+    back = math.sqrt(0.5) * (np.abs(arm) - front)
+    offsets = spacing * np.stack([-back, np.sign(arm) * (back + front)], axis=1)
     return np.asarray(offsets - offsets.mean(axis=0))
 
 

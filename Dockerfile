@@ -12,9 +12,9 @@ COPY experiments experiments
 COPY cli cli
 COPY scenarios scenarios
 RUN pip install --no-cache-dir -c constraints.txt .
+# From here on nothing is imported from the copied folders: the packages are installed.
+WORKDIR /tmp
 # The solver is compiled here, once; containers copy it to their /tmp, because their root is read-only.
 ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
 RUN ECHELON_CACHE=/opt/kernels python -c "from fleet.compiling import ensure_compiled; ensure_compiled(print)"
-# Nothing is imported from here at run time: the packages are installed.
-WORKDIR /tmp
 USER 10001:10001

@@ -120,11 +120,15 @@ class Mind:
 
     def _hear(self, agent: Agent, tick: Tick) -> None:
         """Give the agent the plans from before this tick; those of this tick and of the next flight wait."""
-        while self._plans:
-            plan = self._plans[0]
-            if plan.epoch == tick.epoch + 1 or (plan.epoch == tick.epoch and plan.seq >= tick.seq):
-                return
-            agent.receive(self._plans.popleft())
+        ready = [plan for plan in self._plans if plan.epoch == tick.epoch and plan.seq < tick.seq]
+        for plan in sorted(ready, key=lambda plan: plan.seq):
+            agent.receive(plan)
+        waiting = [
+            plan
+            for plan in self._plans
+            if plan.epoch == tick.epoch + 1 or (plan.epoch == tick.epoch and plan.seq >= tick.seq)
+        ]
+        self._plans = deque(waiting, maxlen=KEPT_PLANS)
 
     def _say(self, answer: Answer) -> None:
         """The plan first: once the world has the command, the plan is known to be on its way."""

@@ -61,7 +61,9 @@ class LiveRun:
         self._state: State | None = None
 
     def __enter__(self) -> Self:
-        signal.signal(signal.SIGTERM, _interrupt)
+        # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _interrupt)
         try:
             ensure_compiled(self._tell)
             self._supervisor.start(programs(self._plan, self._scenario))

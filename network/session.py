@@ -97,9 +97,8 @@ class Session:
         self._declared: list[object] = []
         try:
             self._session = zenoh.open(config(endpoint=endpoint, router=False))
-        except zenoh.ZError as error:
-            text = str(error).splitlines()[0][:200]
-            raise EchelonError(f"expected a router at {endpoint}; got no connection ({text})") from None
+        except zenoh.ZError:
+            raise EchelonError(f"expected a router at {endpoint}; nobody answers there") from None
 
     def __enter__(self) -> Self:
         return self
@@ -220,8 +219,8 @@ class Router:
         try:
             self._session = zenoh.open(config(endpoint=endpoint, router=True))
         except zenoh.ZError as error:
-            text = str(error).splitlines()[0][:200]
-            raise EchelonError(f"expected an endpoint to listen on; {endpoint} cannot be used ({text})") from None
+            text = str(error).split(" at ")[0][:200]
+            raise EchelonError(f"expected an endpoint to listen on; {endpoint} cannot be used: {text}") from None
 
     def close(self) -> None:
         """Stop listening."""

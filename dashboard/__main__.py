@@ -1,0 +1,46 @@
+"""The dashboard process of a run."""
+
+import argparse
+import logging
+import sys
+
+from dashboard import server
+from dashboard.page import Page
+from formation.errors import EchelonError
+from network.lifetime import Lifetime
+from network.session import Session
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Serve the page until told to end."""
+    parser = argparse.ArgumentParser(prog="python -m dashboard", description=__doc__)
+    parser.add_argument("--run", required=True, help="name of the run")
+    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    parser.add_argument("--port", type=_port, default=8090, help="8090 by default; 0: any free one")
+    parser.add_argument("--host", default="127.0.0.1", help="loopback only, unless in a container of ours")
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(name)s dashboard: %(message)s", stream=sys.stderr)
+    try:
+        served = server.serve(options.host, options.port, "Run control")
+        lifetime = Lifetime()
+        try:
+            with Session(options.connect, options.run) as session:
+                page = Page(served, session)
+                print(f"dashboard: http://{options.host}:{served.get_port()}", flush=True)
+                page.serve(lifetime)
+        finally:
+            server.stop(served)
+    except EchelonError as error:
+        print(f"dashboard: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _port(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535; got {text!r}")
+    return int(text)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

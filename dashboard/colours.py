@@ -1,0 +1,92 @@
+"""Colours: hue says which robot, green to red says how healthy. Given as sRGB, encoded for viser's renderer.
+
+The page's canvas is tone-mapped (ACES, as in three.js), and colours per vertex or per instance are taken as linear.
+`encode` inverts both, so that the screen shows the colour that was asked for.
+"""
+
+import numpy as np
+
+from formation.arrays import FloatArray
+
+Bytes = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
+
+IDENTITY = ("56b4e9", "b284ff", "ff79c6", "40d6d6", "ececec", "7f9cff", "d9b8ff", "9fc3d6")
+"""Hues of robots 1 to 8, none of them green, amber or red."""
+CROWD = "9fb4cc"
+"""Body colour when there are too many robots for a hue each."""
+OK, WARN, BAD = "34c796", "f7b83e", "f0485c"
+GREY = "8b94a5"
+BACKGROUND = "141414"
+SLOT, PATH, DESIRED = "566170", "8892a6", "6b7688"
+
+_INPUT = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+_OUTPUT = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
+"""three.js, ACESFilmicToneMapping: sRGB to the curve's space and back."""
+_FROM_INPUT, _FROM_OUTPUT = np.linalg.inv(_INPUT).T, np.linalg.inv(_OUTPUT).T
+
+
+def rgb(text: str) -> FloatArray:
+    """(3,) sRGB in 0..1 of a colour "rrggbb"."""
+    return np.array([int(text[i : i + 2], 16) / 255.0 for i in (0, 2, 4)])
+
+
+def identity(robot: int, robots: int) -> str:
+    """The colour "rrggbb" of a robot."""
+    return IDENTITY[robot - 1] if robots <= len(IDENTITY) else CROWD
+
+
+def identities(robots: int) -> FloatArray:
+    """(n, 3) sRGB colours of all robots."""
+    return np.array([rgb(identity(i, robots)) for i in range(1, robots + 1)])
+
+
+def health(level: FloatArray) -> FloatArray:
+    """(..., 3) sRGB from green (0) over amber (0.5) to red (1)."""
+    stops = np.array([rgb(OK), rgb(WARN), rgb(BAD)])
+    return np.stack([np.interp(level, [0.0, 0.5, 1.0], stops[:, c]) for c in range(3)], axis=-1)
+
+
+def css(colour: FloatArray) -> str:
+    """A colour for HTML."""
+    r, g, b = (round(255 * float(c)) for c in np.clip(colour, 0.0, 1.0))
+    return f"#{r:02x}{g:02x}{b:02x}"
+
+
+def mix(colour: FloatArray, share: FloatArray | float, background: str = BACKGROUND) -> FloatArray:
+    """`colour` where share is 1, the background where it is 0."""
+    return rgb(background) + (colour - rgb(background)) * share
+
+
+def encode(colour: FloatArray) -> Bytes:
+    """(..., 3) bytes for per-instance and per-vertex colours that look like this sRGB colour.
+
+    What is too bright for the tone curve is darkened until it fits, so that the hue stays.
+    """
+    screen = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    low, high = np.zeros(screen.shape[:-1]), np.ones(screen.shape[:-1])
+    fits = _untoned(screen).max(axis=-1) <= 1.0
+    for _ in range(8):  # bisection for the brightness
+        middle = (low + high) / 2.0
+        inside = _untoned(screen * middle[..., None]).max(axis=-1) <= 1.0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    linear = _untoned(screen * np.where(fits, 1.0, low)[..., None])
+    return np.asarray(np.round(255.0 * np.clip(linear, 0.0, 1.0)), dtype=np.uint8)
+
+
+def _untoned(screen: FloatArray) -> FloatArray:
+    """Linear colours before tone mapping that give these linear colours after it."""
+    fitted = np.clip(screen @ _FROM_OUTPUT, 0.0, 0.98)
+    # Solve fitted = (v (v + 0.0245786) - 0.000090537) / (v (0.983729 v + 0.4329510) + 0.238081) for v.
+    a = 1.0 - 0.983729 * fitted
+    b = 0.0245786 - 0.4329510 * fitted
+    c = -0.000090537 - 0.238081 * fitted
+    curve = (-b + np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))) / (2.0 * a)
+    return np.asarray(0.6 * (curve @ _FROM_INPUT))
+
+
+_RAMP = encode(health(np.linspace(0.0, 1.0, 256)))
+
+
+def encoded_health(level: FloatArray) -> Bytes:
+    """(..., 3) bytes of `health`, quickly: this one is wanted in every frame."""
+    return _RAMP[np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]

@@ -1,0 +1,181 @@
+"""Everything that the world and the agents said, the newest of each: what the page is drawn from.
+
+One thread drains the inbox and only stores, so that a slow page never slows the run.
+"""
+
+import json
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from queue import Empty
+from time import monotonic
+
+import numpy as np
+
+from dashboard.plans import PlanLog
+from formation.arrays import FloatArray
+from formation.errors import EchelonError, WireError
+from formation.measures import wrapped
+from formation.scenario import Scenario, parse
+from network import keys
+from network.codec import decode
+from network.messages import State, Status
+from network.rejects import Rejects
+from network.session import Presence, Sample, Session
+
+SILENCE_SECONDS = 1.5
+"""The world says its state twenty times a second; silent for so long, it is gone."""
+LEARN_INTERVAL = 0.25
+"""Between two questions for what is flown [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What is known at one moment."""
+
+    state: State | None
+    """The newest; None before the first."""
+    scenario: Scenario | None
+    """What is flown; None until the world has said what fits `state`."""
+    statuses: Mapping[int, Status]
+    plans: Mapping[int, PlanLog]
+    poses: FloatArray
+    """(n, 3) true poses, moved between the last two states so that motion is smooth [m, m, rad]."""
+    here: bool
+    """Whether the world is talking."""
+    connected: bool
+    """Whether there is a router."""
+
+
+class Feed:
+    """Listens to a run."""
+
+    def __init__(self, session: Session) -> None:
+        """Subscribe; `start` then listens."""
+        self._session = session
+        self._lock = threading.Lock()
+        self._states: tuple[tuple[float, State], ...] = ()
+        self._statuses: dict[int, Status] = {}
+        self._plans: dict[int, PlanLog] = {}
+        self._scenario: tuple[int, int, Scenario] | None = None
+        self._rejects = Rejects()
+        self._asked_at = 0.0
+        self._over = False
+        self._thread = threading.Thread(target=self._listen, name="feed", daemon=True)
+        run = session.run
+        session.subscribe(keys.state(run))
+        session.subscribe(keys.status(run, "*"))
+        session.subscribe(keys.plan(run, "*"))
+        session.watch()
+        session.appear("dashboard")
+
+    def start(self) -> None:
+        """Listen from now on."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Listen no more."""
+        self._over = True
+        self._session.wake()
+        self._thread.join(1.0)
+
+    def seen(self) -> Seen:
+        """What is known now."""
+        now = monotonic()
+        with self._lock:
+            states, statuses, plans = self._states, dict(self._statuses), dict(self._plans)
+            scenario = self._scenario
+        state = states[-1][1] if states else None
+        fits = state is not None and scenario is not None and scenario[0] == state.epoch
+        return Seen(
+            state=state,
+            scenario=scenario[2] if fits and scenario is not None else None,
+            statuses=statuses,
+            plans=plans,
+            poses=_between(states, now),
+            here=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
+            connected=self._session.connected,
+        )
+
+    # ------------------------------------------------------------------ what is flown
+
+    def learn(self) -> None:
+        """Ask what is flown if that has changed; called by the thread that may wait for answers."""
+        now = monotonic()
+        with self._lock:
+            state, known = self._states[-1][1] if self._states else None, self._scenario
+        if state is None or now - self._asked_at < LEARN_INTERVAL:
+            return
+        if known is not None and known[:2] == (state.epoch, state.revision):
+            return
+        self._asked_at = now
+        try:
+            setup = self._session.setup()
+            if setup is None:
+                return
+            scenario = parse(json.loads(setup.scenario), where="the world's scenario")
+        except (EchelonError, ValueError) as error:
+            self._rejects.add("setup", error)
+            return
+        with self._lock:
+            if known is None or known[0] != setup.epoch:
+                self._plans = {i: PlanLog(i, scenario.size) for i in range(1, scenario.size + 1)}
+            self._scenario = (setup.epoch, setup.revision, scenario)
+
+    # ------------------------------------------------------------------ what comes in
+
+    def _listen(self) -> None:
+        while not self._over:
+            try:
+                item = self._session.inbox.get(timeout=0.5)
+            except Empty:
+                continue
+            if isinstance(item, Sample):
+                try:
+                    self._take(item)
+                except WireError as error:
+                    self._rejects.add(item.key, error)
+            elif isinstance(item, Presence) and item.role == "agent" and not item.here:
+                with self._lock:
+                    self._statuses.pop(item.number, None)
+
+    def _take(self, sample: Sample) -> None:
+        robot = keys.robot_of(sample.key)
+        if sample.key.endswith("/plan"):
+            log = self._plans.get(robot or 0)
+            if log is not None:
+                log.add(sample.payload)
+        elif sample.key.endswith("/status"):
+            status = decode(Status, sample.payload)
+            if status.sender != robot:
+                raise WireError(f"expected the sender named in the key; got {status.sender}")
+            with self._lock:
+                self._statuses[status.sender] = status
+        else:
+            state = decode(State, sample.payload)
+            _check(state)
+            with self._lock:
+                self._states = (*self._states[-1:], (monotonic(), state))
+
+
+def _check(state: State) -> None:
+    """Raises WireError if the arrays do not fit each other."""
+    n = len(state.poses)
+    if not len(state.slots) == len(state.distance_errors) == len(state.angle_errors) == n:
+        raise WireError(f"expected {n} slots and errors")
+
+
+def _between(states: tuple[tuple[float, State], ...], now: float) -> FloatArray:
+    """Poses now: from the state before the last to the last, in the time that lay between them."""
+    if not states:
+        return np.empty((0, 3))
+    at, last = states[-1]
+    if len(states) < 2:
+        return last.poses
+    before_at, before = states[0]
+    if before.epoch != last.epoch or before.poses.shape != last.poses.shape or at <= before_at:
+        return last.poses
+    share = min(1.0, (now - at) / (at - before_at))
+    moved = last.poses - before.poses
+    moved[:, 2] = wrapped(moved[:, 2])
+    return before.poses + share * moved

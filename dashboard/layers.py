@@ -1,0 +1,160 @@
+"""What the scene's layers hold, as arrays: pure functions of what is known.
+
+Every function gives arrays whose length depends on the scenario alone, so that points and colours always fit.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashboard import colours, geometry
+from dashboard.links import LinkView
+from dashboard.plans import PlanLog
+from formation.arrays import FloatArray
+from formation.pattern import upstream
+from network.messages import Plan, Status
+
+DASHES = 8
+"""Segments of a link's shaft."""
+DISTANCE_LIMIT = 0.02
+"""A pattern edge is red from this error on [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Sizes for robots that stand `spacing` apart; made for 0.1 m [m]."""
+
+    unit: float
+
+    @classmethod
+    def of(cls, spacing: float) -> "Sizes":
+        """Sizes for a formation, within reason."""
+        return cls(float(np.clip(spacing / 0.1, 0.4, 3.0)))
+
+    @property
+    def body(self) -> tuple[float, float]:
+        """Length and width."""
+        return 0.055 * self.unit, 0.036 * self.unit
+
+    def z(self, layer: int) -> float:
+        """Height of a layer above the ground."""
+        return 0.0006 * layer * self.unit
+
+
+def edges(poses: FloatArray, z: float) -> FloatArray:
+    """(n, 2, 3): from every robot to its upstream neighbour."""
+    points = poses[:, :2]
+    return geometry.lifted(np.stack([points, np.roll(points, 1, axis=0)], axis=1), z)
+
+
+def desired(slots: FloatArray, z: float) -> FloatArray:
+    """(6 n, 2, 3): dashes between neighbouring slots."""
+    a, b = slots[:, None, :2], np.roll(slots, 1, axis=0)[:, None, :2]
+    at = (np.arange(6)[None, :, None] + np.array([0.2, 0.7])[:, None, None]) / 6.0  # (2, 6, 1)
+    dashes = np.stack([a + (b - a) * at[0], a + (b - a) * at[1]], axis=2)
+    return geometry.lifted(dashes.reshape(-1, 2, 2), z)
+
+
+def edge_colours(distance_errors: FloatArray) -> colours.Bytes:
+    """(n, 2, 3), encoded."""
+    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT)
+    return np.repeat(colour[:, None], 2, axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Arrows:
+    """Shafts and heads of all links, in the order of their senders."""
+
+    shafts: FloatArray
+    """(n DASHES, 2, 3) [m]."""
+    shaft_colours: colours.Bytes
+    """(n DASHES, 2, 3), encoded."""
+    tips: FloatArray
+    """(n, 3) [m]."""
+    directions: FloatArray
+    """(n,) [rad]."""
+    head_colours: colours.Bytes
+    """(n, 3), encoded."""
+
+
+def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
+    """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
+    start, end = poses[:, :2], np.roll(poses[:, :2], -1, axis=0)
+    gap = end - start
+    length = np.maximum(np.hypot(gap[:, 0], gap[:, 1]), 1e-6)[:, None]
+    along = gap / length
+    right = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    clear = np.minimum(0.027 * sizes.unit, 0.4 * length)
+    start = start + along * clear + right * 0.011 * sizes.unit
+    end = end - along * clear + right * 0.011 * sizes.unit
+    lost = np.array([link.lost for link in links])
+    share = np.where(lost, 0.5, 1.0)
+    shaft_end = end - along * np.minimum(0.011 * sizes.unit, 0.3 * length)
+    steps = np.arange(DASHES)[None, :, None]
+    a = start[:, None] + (shaft_end - start)[:, None] * steps / DASHES
+    b = start[:, None] + (shaft_end - start)[:, None] * (steps + share[:, None, None]) / DASHES
+    shafts = np.stack([a, b], axis=2).reshape(-1, 2, 2)
+    colour = colours.encoded_health(np.array([link.level for link in links]))
+    z = sizes.z(layer)
+    return Arrows(
+        shafts=geometry.lifted(shafts, z),
+        shaft_colours=np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1),
+        tips=geometry.lifted(end, z + 0.2 * sizes.z(1)),
+        directions=np.arctan2(along[:, 1], along[:, 0]),
+        head_colours=colour,
+    )
+
+
+def horizons(plans: list[Plan | None], poses: FloatArray, steps: int) -> FloatArray:
+    """(n, steps + 1, 2): where each plan leads; a robot without one stays where it is drawn [m]."""
+    start, inputs, interval = poses.copy(), np.zeros((len(poses), steps, 2)), 0.1
+    for row, plan in enumerate(plans):
+        if plan is not None and len(plan.inputs) == steps:
+            start[row], inputs[row], interval = plan.pose, plan.inputs, plan.interval
+    return geometry.roll_out(start, inputs, interval)
+
+
+def own_plans(logs: Mapping[int, PlanLog], robots: int, epoch: int) -> list[Plan | None]:
+    """The newest plan of every robot."""
+    found = [logs[i].newest() if i in logs else None for i in range(1, robots + 1)]
+    return [plan if plan is not None and plan.epoch == epoch else None for plan in found]
+
+
+def held_plans(
+    logs: Mapping[int, PlanLog], statuses: Mapping[int, Status], robots: int, epoch: int
+) -> list[Plan | None]:
+    """The plan of every robot that the one downstream of it still goes by, in the order of the senders."""
+    held: list[Plan | None] = [None] * robots
+    for receiver in range(1, robots + 1):
+        sender, status = upstream(receiver, robots), statuses.get(receiver)
+        if status is not None and status.epoch == epoch and status.belief >= 0 and sender in logs:
+            held[sender - 1] = logs[sender].numbered(status.belief, epoch)
+    return held
+
+
+def fading(colour: FloatArray, points: int, strength: float, *, towards_end: bool) -> FloatArray:
+    """(n (points - 1), 2, 3) sRGB for polylines that fade into the background."""
+    share = strength * (np.linspace(1.0, 0.3, points) if towards_end else np.linspace(0.05, 1.0, points))
+    per_point = colours.mix(colour[:, None], share[None, :, None])
+    return np.stack([per_point[:, :-1], per_point[:, 1:]], axis=2).reshape(-1, 2, 3)
+
+
+def body_colours(robots: int, lost: set[int]) -> FloatArray:
+    """(n, 3) sRGB: the hue of each robot, pale for one without a mind."""
+    colour = colours.identities(robots)
+    for robot in lost:
+        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35)
+    return colour
+
+
+def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None) -> FloatArray:
+    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, white around the chosen one."""
+    colour = np.tile(colours.rgb("0c0f13"), (robots, 1))
+    if focus is not None and focus <= robots:
+        colour[focus - 1] = colours.rgb("ffffff")
+    for robot in stopped:
+        colour[robot - 1] = colours.rgb(colours.WARN)
+    for robot in lost:
+        colour[robot - 1] = colours.rgb(colours.BAD)
+    return colour

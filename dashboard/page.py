@@ -1,0 +1,190 @@
+"""The page as a whole: its panels, and the loop that keeps them up to date."""
+
+import base64
+from functools import partial
+from time import monotonic, sleep
+from typing import Any
+
+import viser
+
+from dashboard import tables
+from dashboard.cameras import Cameras
+from dashboard.desk import Desk
+from dashboard.faults import FaultPanel
+from dashboard.feed import Feed, Seen
+from dashboard.history import History
+from dashboard.links import LinkView, links
+from dashboard.notices import Notices
+from dashboard.plots import FIRST, SECOND, Plots
+from dashboard.run import RunPanel
+from dashboard.scene import LAYERS, Scene
+from network.lifetime import Lifetime
+from network.session import Session
+
+FRAME = 1.0 / 30.0
+CROWD_FRAME = 1.0 / 18.0
+CROWD = 20
+"""With more robots than this fewer frames are drawn: a page without a graphics card could not follow."""
+PANEL_INTERVAL = 0.2
+PLOT_INTERVAL = 0.25
+NOBODY = "none"
+
+
+class Page:
+    """Everything that is shown, and where it comes from."""
+
+    def __init__(self, server: viser.ViserServer, session: Session) -> None:
+        """Lay the page out."""
+        self._server = server
+        self._feed = Feed(session)
+        self._notices = Notices(server)
+        self._desk = Desk(session, self._feed, self._notices.tell)
+        self._history = History()
+        self._cameras = Cameras(server)
+        self._scene = Scene(server, self._focus_on, self._choose_link)
+        self._panel_at = self._plot_at = 0.0
+        self._dress()
+        gui = server.gui
+        self._run = RunPanel(gui, self._desk)
+        self._faults = FaultPanel(gui, self._desk)
+        self._add_view(gui)
+        gui.main_panel.dock_left()
+        gui.main_panel.set_width(330)
+        panel = gui.add_panel()
+        with panel.add_tab("Live", viser.Icon.CHART_LINE):
+            self._first = Plots(gui, FIRST)
+            self._matrix = gui.add_html("")
+            self._second = Plots(gui, SECOND)
+        with panel.add_tab("Robots", viser.Icon.ROBOT):
+            self._robots = gui.add_html("")
+        with panel.add_tab("Log", viser.Icon.LIST):
+            self._log = gui.add_html("")
+        panel.dock_right()
+        panel.set_width(400)
+
+    def _dress(self) -> None:
+        self._server.gui.configure_theme(
+            dark_mode=True,
+            show_logo=False,
+            show_share_button=False,
+            brand_color=(60, 150, 220),
+            titlebar_content=viser.theme.TitlebarConfig(
+                buttons=(),
+                image=viser.theme.TitlebarImage(
+                    image_url_light=_logo("#16202c"), image_url_dark=_logo("#f1f4f8"), image_alt="Echelon", href=None
+                ),
+            ),
+        )
+
+    def _add_view(self, gui: viser.GuiApi) -> None:
+        with gui.add_folder("View"):
+            camera = gui.add_button_group("Camera", ("Fit", "3D", "Follow"))
+            self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
+            gui.add_html(tables.legend())
+            with gui.add_folder("Layers", expand_by_default=False):
+                for name in LAYERS:
+                    box = gui.add_checkbox(name, True)
+                    box.on_update(partial(self._show_layer, name))
+        camera.on_click(lambda event: self._look(event.target.value, event.client))
+        self._focus.on_update(self._focus_chosen)
+        for name, key in (("Fit", "F"), ("3D", "D"), ("Follow", "G")):
+            command = gui.add_command(f"View: {name}", hotkey=key, icon=viser.Icon.CAMERA)  # type: ignore[arg-type]
+            command.on_trigger(partial(self._look_at, name))
+
+    # ------------------------------------------------------------------ what people do
+
+    def _show_layer(self, name: str, event: viser.GuiEvent[Any]) -> None:
+        self._scene.show_layer(name, bool(event.target.value))
+
+    def _look_at(self, how: str, event: Any) -> None:
+        self._look(how, event.client)
+
+    def _look(self, how: str, client: viser.ClientHandle | None) -> None:
+        if client is None:
+            return
+        if how == "3D":
+            self._cameras.tip(client)
+        elif how == "Follow":
+            self._cameras.follow(client)
+        else:
+            self._cameras.fit(client)
+            self._scene.focus, self._focus.value = None, NOBODY
+
+    def _focus_chosen(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is None:
+            return
+        name = event.target.value
+        self._scene.focus = None if name == NOBODY else int(name.split()[-1])
+        if self._scene.focus is None:
+            self._cameras.release(event.client)
+        else:
+            self._cameras.follow(event.client, self._scene.focus)
+
+    def _focus_on(self, client: viser.ClientHandle, robot: int) -> None:
+        self._scene.focus, self._focus.value = robot, f"Robot {robot}"
+        self._cameras.follow(client, robot)
+
+    def _choose_link(self, sender: int) -> None:
+        self._faults.choose(sender)
+
+    # ------------------------------------------------------------------ the loop
+
+    def serve(self, lifetime: Lifetime) -> None:
+        """Keep the page up to date until told to end."""
+        self._feed.start()
+        self._desk.start()
+        due = monotonic()
+        while not lifetime.over:
+            robots = self._frame()
+            due = max(due + (CROWD_FRAME if robots > CROWD else FRAME), monotonic())
+            sleep(max(0.0, due - monotonic()))
+        self._desk.stop()
+        self._feed.stop()
+
+    def _frame(self) -> int:
+        """Draw once; returns the number of robots."""
+        seen = self._feed.seen()
+        state = seen.state
+        views = links(state, seen.statuses) if state is not None else []
+        with self._server.atomic():
+            if state is not None and seen.scenario is not None:
+                self._history.add(state, views)
+                self._scene.draw(seen, views, self._history)
+            now = monotonic()
+            if now - self._panel_at >= PANEL_INTERVAL:
+                self._panel_at = now
+                self._draw_panels(seen, views)
+            elif now - self._plot_at >= PLOT_INTERVAL:
+                self._plot_at = now
+                self._first.draw(self._history)
+                self._second.draw(self._history)
+        if state is not None and seen.scenario is not None and len(seen.poses) == seen.scenario.size:
+            self._cameras.update(seen.scenario, seen.poses)
+        return len(seen.poses)
+
+    def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
+        self._run.draw(seen, views)
+        self._matrix.content = tables.matrix(seen, views)
+        self._robots.content = tables.robots(seen, views)
+        self._log.content = tables.log(seen.state)
+        if seen.state is not None:
+            self._faults.draw(seen.state)
+            options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
+            if self._focus.options != options:
+                self._focus.options = options
+                self._focus.value, self._scene.focus = NOBODY, None
+        self._notices.compare(seen, views)
+
+
+def _logo(ink: str) -> str:
+    """The title as an image that needs no request."""
+    svg = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="480" height="40" viewBox="0 0 480 40">'
+        '<g stroke="#56b4e9" stroke-width="2" fill="none"><path d="M8 32 L20 10 L32 32"/></g>'
+        '<circle cx="20" cy="9" r="4.5" fill="#56b4e9"/><circle cx="8" cy="32" r="4.5" fill="#b284ff"/>'
+        '<circle cx="32" cy="32" r="4.5" fill="#ff79c6"/>'
+        f'<text x="46" y="29" font-family="sans-serif" font-size="23" font-weight="700" fill="{ink}">Echelon</text>'
+        '<text x="166" y="28" font-family="sans-serif" font-size="15" fill="#8b94a5">'
+        "formations that hold on broken links</text></svg>"
+    )
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()

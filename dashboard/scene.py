@@ -1,0 +1,226 @@
+"""The middle of the page: robots, trails, plans, links. One node per kind of thing, never one per robot."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from dashboard import colours, geometry, layers
+from dashboard.feed import Seen
+from dashboard.history import TRAIL_POINTS, History
+from dashboard.links import LinkView
+from formation.arrays import FloatArray
+from formation.scenario import Scenario
+from network.messages import State
+
+TRAIL_EVERY = 3
+"""Frames between two updates of the trails, which are the most bytes."""
+LAYERS = {
+    "Trails": ("/trails",),
+    "Horizons": ("/horizons",),
+    "Beliefs": ("/beliefs",),
+    "Slots": ("/slots", "/desired"),
+    "Links": ("/links", "/heads"),
+}
+"""What can be hidden, and its nodes."""
+
+
+class Scene:
+    """Draws what is known."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        on_robot: Callable[[viser.ClientHandle, int], None],
+        on_link: Callable[[int], None],
+    ) -> None:
+        """An empty scene.
+
+        Args:
+            server: whose scene is used.
+            on_robot: a person clicked this robot.
+            on_link: a person clicked the link with this sender.
+        """
+        self._server, self._on_robot, self._on_link = server, on_robot, on_link
+        self._nodes: dict[str, Any] = {}
+        self._hidden: set[str] = set()
+        self._scenario: Scenario | None = None
+        self._frame = 0
+        self._strokes: FloatArray = np.empty((0, 2, 2))
+        self._stroke_owner: np.ndarray[Any, np.dtype[np.intp]] = np.empty(0, dtype=np.intp)
+        self.focus: int | None = None
+        """The robot with a white outline."""
+        self._focus_drawn: int | None = None
+        self._state: State | None = None
+        self._looks: object = None
+        scene = server.scene
+        scene.configure_environment_map(None)
+        scene.configure_default_lights(enabled=False)
+        scene.add_light_ambient("/light", intensity=np.pi)
+        scene.add_grid(
+            "/grid",
+            cell_size=0.1,
+            section_size=0.5,
+            cell_color=(52, 54, 62),
+            section_color=(66, 74, 96),
+            infinite_grid=True,
+            fade_distance=400.0,
+            fade_strength=0.5,
+            shadow_opacity=0.0,
+            position=(0.0, 0.0, -0.001),
+        )
+
+    def show_layer(self, name: str, shown: bool) -> None:
+        """Show or hide one of LAYERS."""
+        for node in LAYERS[name]:
+            self._hidden.discard(node) if shown else self._hidden.add(node)
+            if node in self._nodes:
+                self._nodes[node].visible = shown
+
+    def draw(self, seen: Seen, links: list[LinkView], history: History) -> None:
+        """Bring the scene up to date; call within server.atomic()."""
+        state, scenario = seen.state, seen.scenario
+        if state is None or scenario is None or scenario.size != len(state.poses):
+            return
+        if scenario is not self._scenario:
+            if self._scenario is None or scenario.model_dump() != self._scenario.model_dump():
+                self._build(scenario)
+            self._scenario = scenario
+        self._frame += 1
+        self._move(seen.poses, links)
+        if self._frame % TRAIL_EVERY == 1:
+            self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
+        if state is not self._state or self._focus_drawn != self.focus:
+            self._state, self._focus_drawn = state, self.focus
+            self._recolour(state, links)
+            self._plan(seen, state, scenario.controller.horizon)
+
+    def _move(self, poses: FloatArray, links: list[LinkView]) -> None:
+        """What moves in every frame."""
+        nodes, sizes = self._nodes, self._sizes
+        turned = geometry.turns(poses[:, 2])
+        for name, layer in (("/outlines", 9), ("/bodies", 10)):
+            nodes[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
+            nodes[name].batched_wxyzs = turned
+        strokes = self._strokes + poses[self._stroke_owner, None, :2]
+        nodes["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
+        nodes["/edges"].points = layers.edges(poses, sizes.z(6))
+        arrows = layers.arrows(poses, links, sizes, 7)
+        nodes["/links"].points = arrows.shafts
+        nodes["/links"].colors = arrows.shaft_colours
+        nodes["/heads"].batched_positions = arrows.tips
+        nodes["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
+        nodes["/heads"].batched_colors = arrows.head_colours
+
+    def _recolour(self, state: State, links: list[LinkView]) -> None:
+        """What changes with every state."""
+        nodes, n = self._nodes, len(state.poses)
+        nodes["/edges"].colors = layers.edge_colours(state.distance_errors)
+        nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
+        nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
+        lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
+        looks = (n, lost, stopped, self.focus)
+        if looks != self._looks:
+            self._looks = looks
+            nodes["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost))
+            nodes["/outlines"].batched_colors = colours.encode(layers.outline_colours(n, lost, stopped, self.focus))
+
+    def _plan(self, seen: Seen, state: State, steps: int) -> None:
+        """What robots want, and what their neighbours believe of it."""
+        n, z = len(state.poses), self._sizes.z
+        own = layers.horizons(layers.own_plans(seen.plans, n, state.epoch), seen.poses, steps)
+        self._nodes["/horizons"].points = geometry.segments(own, z(5))
+        held = layers.horizons(layers.held_plans(seen.plans, seen.statuses, n, state.epoch), seen.poses, steps)
+        dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]
+        self._nodes["/beliefs"].points = dashes.reshape(-1, 2, 3)
+
+    # ------------------------------------------------------------------ nodes
+
+    def _build(self, scenario: Scenario) -> None:
+        """Nodes for another scenario."""
+        for node in self._nodes.values():
+            node.remove()
+        self._frame, self._state, self._looks = 0, None, None
+        n = scenario.size
+        self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))
+        steps = scenario.controller.horizon
+        hue = colours.identities(n)
+        marks = [geometry.digits(i, 0.017 * sizes.unit) for i in range(1, n + 1)]
+        self._strokes = np.concatenate(marks)
+        self._stroke_owner = np.repeat(np.arange(n), [len(mark) for mark in marks])
+        length, width = sizes.body
+        self._nodes = {
+            "/path": self._lines("/path", geometry.lifted(route(scenario), sizes.z(1)), colours.rgb(colours.PATH), 1.4),
+            "/trails": self._lines(
+                "/trails",
+                np.zeros((n * (TRAIL_POINTS - 1), 2, 3)),
+                layers.fading(hue, TRAIL_POINTS, 0.85, towards_end=False),
+                2.0,
+            ),
+            "/slots": self._meshes("/slots", geometry.ring(0.025 * sizes.unit, 0.0022 * sizes.unit), n),
+            "/desired": self._lines("/desired", np.zeros((6 * n, 2, 3)), colours.rgb(colours.DESIRED), 1.2),
+            "/beliefs": self._lines(
+                "/beliefs",
+                np.zeros((n * ((steps + 1) // 2), 2, 3)),
+                np.repeat(np.repeat(colours.mix(hue, 0.85)[:, None], (steps + 1) // 2, axis=0), 2, axis=1),
+                1.8,
+            ),
+            "/horizons": self._lines(
+                "/horizons", np.zeros((n * steps, 2, 3)), layers.fading(hue, steps + 1, 1.0, towards_end=True), 2.6
+            ),
+            "/edges": self._lines("/edges", np.zeros((n, 2, 3)), np.zeros((n, 2, 3)), 3.2),
+            "/links": self._lines(
+                "/links", np.zeros((n * layers.DASHES, 2, 3)), np.zeros((n * layers.DASHES, 2, 3)), 1.8
+            ),
+            "/heads": self._meshes("/heads", geometry.arrow_head(0.016 * sizes.unit, 0.012 * sizes.unit), n),
+            "/outlines": self._meshes("/outlines", geometry.teardrop(length, width, 0.003 * sizes.unit), n),
+            "/bodies": self._meshes("/bodies", geometry.teardrop(length, width), n),
+            "/numbers": self._lines("/numbers", np.zeros((len(self._strokes), 2, 3)), colours.rgb("0a0d11"), 2.0),
+        }
+        self._nodes["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(colours.SLOT), (n, 1)))
+        for name in self._hidden:
+            self._nodes[name].visible = False
+        self._nodes["/bodies"].on_click(self._clicked_robot)
+        self._nodes["/heads"].on_click(self._clicked_link)
+
+    def _lines(self, name: str, points: FloatArray, colour: FloatArray, thickness: float) -> Any:
+        if colour.ndim == 1:
+            colour = np.broadcast_to(colour, points.shape)
+        return self._server.scene.add_line_segments(
+            name, points, colours.encode(colour), thickness=thickness, thickness_units="screen"
+        )
+
+    def _meshes(self, name: str, shape: tuple[FloatArray, geometry.Faces], count: int) -> Any:
+        return self._server.scene.add_batched_meshes_simple(
+            name,
+            shape[0],
+            shape[1],
+            np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            np.zeros((count, 3)),
+            batched_colors=np.zeros((count, 3), dtype=np.uint8),
+            lod="off",
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        if event.instance_index is not None:
+            self._on_robot(event.client, event.instance_index + 1)
+
+    def _clicked_link(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        if event.instance_index is not None:
+            self._on_link(event.instance_index + 1)
+
+
+def route(scenario: Scenario) -> FloatArray:
+    """Dashes (M, 2, 2) along the reference path [m]."""
+    return geometry.dashed(route_line(scenario), 0.02)
+
+
+def route_line(scenario: Scenario) -> FloatArray:
+    """Points (1001, 2) of the reference path over the flight, or once around [m]."""
+    period = scenario.path.period
+    seconds = scenario.duration if period is None else period
+    return scenario.path.position(np.linspace(0.0, seconds, 1001))

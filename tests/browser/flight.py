@@ -1,0 +1,87 @@
+"""A real run for the browser tests: router, world, agents and dashboard as processes of their own, and no launcher."""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import IO, Self
+
+ROOT = Path(__file__).parents[2]
+RUN = "browser"
+
+
+class Flight:
+    """A run of a scenario; every process ends with it."""
+
+    def __init__(self, scenario: str = "triangle-circle", robots: int = 3, agents: int | None = None) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="echelon-")
+        self.endpoint = f"unixsock-stream/{self._folder.name}/router"
+        self._processes: dict[str, subprocess.Popen[str]] = {}
+        self.start("router", "network", "--listen", self.endpoint)
+        self.start("world", "world", *self._run, "--scenario", scenario, "--endless")
+        for robot in range(1, (robots if agents is None else agents) + 1):
+            self.start_agent(robot)
+        self.url = self.start_dashboard()
+
+    @property
+    def _run(self) -> list[str]:
+        return ["--run", RUN, "--connect", self.endpoint]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def start(self, name: str, module: str, *arguments: str, read: bool = False) -> subprocess.Popen[str]:
+        """Start a process of the run."""
+        log: IO[str] | None = sys.stderr if os.environ.get("ECHELON_TEST_VERBOSE") else None
+        process = subprocess.Popen(
+            [sys.executable, "-m", module, *arguments],
+            cwd=ROOT,
+            text=True,
+            stdout=subprocess.PIPE if read else subprocess.DEVNULL,
+            stderr=log or subprocess.DEVNULL,
+        )
+        self._processes[name] = process
+        return process
+
+    def start_agent(self, robot: int) -> None:
+        """Start the agent of a robot."""
+        self.start(f"agent-{robot}", "agents", *self._run, "--id", str(robot))
+
+    def start_dashboard(self, port: int = 0) -> str:
+        """Start the dashboard and return its address once it serves."""
+        process = self.start("dashboard", "dashboard", *self._run, "--port", str(port), read=True)
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        found = re.fullmatch(r"dashboard: (http://127\.0\.0\.1:\d+)\n", line)
+        assert found, f"expected the dashboard's address; got {line!r}"
+        return found[1]
+
+    def pid(self, name: str) -> int:
+        """Process id."""
+        return self._processes[name].pid
+
+    def end(self, name: str, *, kill: bool = False) -> None:
+        """End one process, politely or not."""
+        process = self._processes.pop(name)
+        if kill:
+            process.kill()
+        else:
+            process.terminate()
+        try:
+            process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if process.stdout is not None:
+            process.stdout.close()
+
+    def close(self) -> None:
+        """End everything; the router last, so that the others can say goodbye."""
+        for name in reversed(list(self._processes)):
+            self.end(name)
+        self._folder.cleanup()

@@ -13,6 +13,7 @@ from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT
 from formation.measures import pattern_errors, tracking_error
+from formation.pattern import upstream
 from formation.reference import Reference
 from formation.scenario import Scenario
 from network.codec import decode, encode
@@ -207,7 +208,8 @@ class World:
         """An agent says how it is doing."""
         if status.epoch == self.epoch and status.sender in self.robots:
             self.statuses[status.sender] = status
-            self.counts[status.link] = status.counts
+            if status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}":  # a peer may say anything
+                self.counts[status.link] = status.counts
 
     def setup(self) -> Setup:
         """What is flown, for agents and people that ask."""

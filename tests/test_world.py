@@ -1,0 +1,467 @@
+"""The ground truth: what stops a robot, what begins anew, what is told, and where noise comes from."""
+
+import hashlib
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formation.errors import FaultError
+from formation.faults import Fault
+from formation.measures import pattern_errors, tracking_error
+from formation.paths import heading
+from formation.scenario import Scenario, load
+from formation.unicycle import step
+from network.codec import decode, encode
+from network.messages import Command, LinkCounts, Setup, State, Status, Tick
+from world.plant import Plant
+from world.trace import Trace
+from world.world import SHOWN_EVENTS, WATCHDOG, World
+
+TICK = 0.01
+
+
+def world(*settings_: str, name: str = "triangle-circle", **more: Any) -> World:
+    return World(load(name, settings_), **more)
+
+
+def command(robot: int, k: int, v: float = 0.1, omega: float = 0.2, **more: Any) -> Command:
+    values = {"age": 0.01, "planned": True, "solve": 1e-4, "epoch": 0} | more
+    return Command(sender=robot, seq=k, stamp=k * TICK, v=v, omega=omega, **values)
+
+
+def all_commands(w: World, **more: Any) -> dict[int, Command]:
+    return {i: command(i, w.k, **more) for i in w.robots}
+
+
+def fly(w: World, ticks: int, **more: Any) -> None:
+    for _ in range(ticks):
+        w.advance(all_commands(w, **more))
+
+
+def told(w: World, kind: str) -> list[str]:
+    return [event.text for event in w.events if event.kind == kind]
+
+
+# ---------------------------------------------------------------- stepping
+
+
+def test_a_tick_moves_every_body_by_its_command():
+    w = world()
+    before = w.plant.poses
+    w.advance({1: command(1, 0, 0.1, 0.2), 2: command(2, 0, -0.1, 0.0), 3: command(3, 0, 0.0, 1.0)})
+    for row, (v, omega) in enumerate([(0.1, 0.2), (-0.1, 0.0), (0.0, 1.0)]):
+        np.testing.assert_array_equal(w.plant.poses[row], step(*before[row], v, omega, TICK))
+    assert (w.k, w.now) == (1, TICK)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+@settings(max_examples=30)
+def test_a_body_cannot_do_more_than_its_limits(v, omega):
+    w = world()
+    before = w.plant.poses
+    w.advance({1: command(1, 0, v, omega)})
+    expected = step(*before[0], max(-0.5, min(v, 0.5)), max(-2.0, min(omega, 2.0)), TICK)
+    np.testing.assert_array_equal(w.plant.poses[0], expected)
+
+
+def test_a_robot_that_says_nothing_goes_on_with_its_newest_command():
+    w = world()
+    w.advance({1: command(1, 0, 0.1, 0.0)})
+    before = w.plant.poses[0]
+    w.advance({})
+    np.testing.assert_array_equal(w.plant.poses[0], step(*before, 0.1, 0.0, TICK))
+
+
+def test_the_tick_message_says_where_and_when_and_who_planned():
+    w = world()
+    fly(w, 2)
+    w.advance({1: command(1, 2), 3: command(3, 2, planned=False)})
+    tick = w.tick()
+    assert (tick.sender, tick.seq, tick.stamp, tick.planned) == (0, 3, pytest.approx(0.03), [1])
+    np.testing.assert_array_equal(tick.poses, w.plant.poses)
+    assert w.tick() is tick
+    assert decode(Tick, encode(tick)).planned == [1]
+
+
+def test_the_last_tick_is_marked_and_the_flight_then_ends():
+    w = world("duration=0.03")
+    marks = []
+    while not w.finished:
+        marks.append(w.tick().last)
+        w.advance({})
+    assert marks == [False, False, True]
+
+
+# ---------------------------------------------------------------- the watchdog
+
+
+def test_a_robot_without_a_fresh_command_stops_after_0_2_s_and_says_so_once():
+    w = world()
+    fly(w, 10)
+    moved = []
+    for _ in range(60):
+        before = w.plant.poses[0]
+        w.advance({i: command(i, w.k) for i in (2, 3)})
+        moved.append(bool(np.any(w.plant.poses[0] != before)))
+    # The last command is of tick 9: until 0.29 s it is not older than 0.2 s.
+    assert moved == [True] * 20 + [False] * 40
+    assert WATCHDOG == 0.2
+    assert told(w, "watchdog") == ["robot 1 stopped: no fresh command"]
+    assert w.state(seq=0, status="running").stopped == [1]
+    fly(w, 1)
+    assert told(w, "watchdog")[1:] == ["robot 1 moves again"]
+    assert w.state(seq=0, status="running").stopped == []
+    fly(w, 30)
+    assert len(told(w, "watchdog")) == 2
+
+
+def test_who_never_spoke_is_told_as_stopped_once():
+    w = world()
+    before = w.plant.poses
+    for _ in range(100):
+        w.advance({})
+    np.testing.assert_array_equal(w.plant.poses, before)
+    assert told(w, "watchdog") == [f"robot {i} stopped: no fresh command" for i in (1, 2, 3)]
+
+
+def test_a_cut_command_link_stops_the_robot():
+    w = world('faults=[{at=0.5, until=1.5, link="2->world", cut=true}]')
+    fly(w, 75)
+    before = w.plant.poses
+    fly(w, 50)
+    np.testing.assert_array_equal(w.plant.poses[1], before[1])
+    assert np.all(w.plant.poses[0] != before[0])
+    fly(w, 50)
+    assert told(w, "watchdog") == ["robot 2 stopped: no fresh command", "robot 2 moves again"]
+    assert np.any(w.plant.poses[1] != before[1])
+
+
+def test_a_late_command_link_moves_the_robot_later():
+    w = world()
+    w.change_fault("1->world", {"latency": "100ms"}, None)
+    start = w.plant.poses
+    fly(w, 10)
+    np.testing.assert_array_equal(w.plant.poses[0], start[0])
+    fly(w, 1)
+    np.testing.assert_array_equal(w.plant.poses[0], step(*start[0], 0.1, 0.2, TICK))
+
+
+def test_a_damaged_command_is_not_obeyed():
+    w = world()
+    w.change_fault("1->world", {"corrupt": 1.0}, None)
+    start = w.plant.poses
+    fly(w, 30)
+    np.testing.assert_array_equal(w.plant.poses[0], start[0])
+
+
+# ---------------------------------------------------------------- a new flight
+
+
+def test_reset_starts_a_new_epoch_at_time_zero_with_the_same_poses():
+    w = world("robots.start_noise.position=0.02", "noise.slip=0.2")
+    start, first = w.plant.poses, w.tick()
+    fly(w, 50)
+    once = w.plant.poses
+    revision = w.revision
+    w.reset()
+    assert (w.k, w.now, w.epoch) == (0, 0.0, first.epoch + 1)
+    assert w.revision > revision
+    np.testing.assert_array_equal(w.plant.poses, start)
+    tick = w.tick()
+    assert (tick.seq, tick.stamp, tick.epoch, tick.planned) == (0, 0.0, first.epoch + 1, [])
+    fly(w, 50, epoch=w.epoch)
+    np.testing.assert_array_equal(w.plant.poses, once)  # the noise is the same again
+    assert told(w, "run")[-1] == "reset"
+
+
+def test_reset_keeps_what_people_set_without_an_end_and_forgets_figures_and_held_robots():
+    w = world('faults=[{at=0.1, link="1->2", loss=0.5}]')
+    fly(w, 20)
+    w.change_fault("2->3", {"latency": 0.1}, None)
+    w.change_fault("3->1", {"cut": True}, 100.0)
+    for _ in range(40):
+        w.advance({})
+    w.live = {1, 2}
+    assert w.state(seq=0, status="running").stopped == [1, 2, 3]
+    w.reset()
+    assert w.faults.table == {"2->3": Fault(latency=0.1)}
+    assert w.state(seq=0, status="running").stopped == []
+    assert w.summary()["ticks"] == 0
+    assert w.live == {1, 2}
+    fly(w, 11, epoch=1)
+    assert w.faults.table == {"1->2": Fault(loss=0.5), "2->3": Fault(latency=0.1)}
+
+
+def test_another_scenario_is_another_flight():
+    w = world()
+    fly(w, 10)
+    w.change_fault("1->2", {"loss": 0.5}, None)
+    w.live = {1, 2, 3}
+    w.use(load("figure8"))
+    assert (w.k, w.epoch, list(w.robots), w.live) == (0, 1, [1, 2], {1, 2})
+    assert w.faults.table == {}
+    assert "figure8" in told(w, "run")[-1]
+
+
+# ---------------------------------------------------------------- faults
+
+
+def test_a_fault_takes_effect_at_a_named_tick_with_a_new_revision_and_an_event():
+    w = world('faults=[{at=0.05, until=0.08, link="1->2", loss=0.5}]')
+    revisions = []
+    for _ in range(10):
+        revisions.append(w.tick().revision)
+        w.advance(all_commands(w))
+    assert revisions == [0] * 5 + [1] * 3 + [2] * 2
+    assert [(e.stamp, e.text) for e in w.events if e.kind == "fault"] == [
+        (pytest.approx(0.05), "1->2: loss 50 %"),
+        (pytest.approx(0.08), "1->2: healthy"),
+    ]
+
+
+def test_what_people_change_is_named_by_the_next_tick():
+    w = world()
+    first = w.tick()
+    w.advance(all_commands(w))
+    w.change_fault("all", {"loss": "30%"}, None)
+    second = w.tick()
+    assert second.revision == w.revision == w.setup().revision > first.revision
+    assert set(w.setup().faults) == {"1->2", "2->3", "3->1"}
+    w.advance(all_commands(w))
+    assert w.tick().revision == second.revision
+    w.clear_faults("all")
+    assert w.setup().faults == {}
+    assert w.revision > second.revision
+
+
+def test_a_wrong_change_of_a_fault_leaves_revision_and_events_alone():
+    w = world()
+    before = len(w.events)
+    with pytest.raises(FaultError):
+        w.change_fault("1->3", {"loss": 0.5}, None)
+    with pytest.raises(FaultError):
+        w.change_fault("all", {"los": 0.5}, None)
+    assert (w.revision, len(w.events), w.faults.table) == (0, before, {})
+
+
+# ---------------------------------------------------------------- what it tells
+
+
+def test_state_and_setup_go_over_the_wire_and_come_back():
+    w = world("link.loss=0.25", "noise.slip=0.1")
+    fly(w, 30)
+    state = w.state(seq=7, status="running", speed=1.0, pace=0.9, overruns=2, rejected=3, waiting_for=[2])
+    again = decode(State, encode(state))
+    assert (again.seq, again.stamp, again.status, again.waiting_for) == (7, pytest.approx(0.3), "running", [2])
+    np.testing.assert_array_equal(again.poses, w.plant.poses)
+    assert again.faults == dict.fromkeys(["1->2", "2->3", "3->1"], {"loss": 0.25})
+    assert [e.text for e in again.events] == [e.text for e in w.events]
+    setup = decode(Setup, encode(w.setup()))
+    assert Scenario.model_validate_json(setup.scenario).model_dump() == w.scenario.model_dump()
+    assert (setup.epoch, setup.revision, setup.faults) == (w.epoch, w.revision, again.faults)
+
+
+def test_the_state_shows_the_errors_of_now():
+    w = world()
+    fly(w, 40)
+    state = w.state(seq=0, status="running")
+    theta = heading(w.scenario.path, np.array(0.4), 0.1)
+    distance, angle = pattern_errors(w.plant.poses, w.scenario.pattern, theta)
+    np.testing.assert_allclose(state.distance_errors, distance, atol=1e-12)
+    np.testing.assert_allclose(state.angle_errors, angle, atol=1e-9)
+    centre = w.scenario.path.position(np.array(0.4))
+    np.testing.assert_allclose(state.centre[:2], centre, atol=1e-12)
+    assert state.tracking_error == pytest.approx(tracking_error(w.plant.poses, centre))
+    assert np.abs(distance).max() > 1e-4
+
+
+def test_the_state_carries_the_newest_events_only():
+    w = world()
+    for n in range(SHOWN_EVENTS + 10):
+        w.event("run", f"event {n}")
+    texts = [event.text for event in w.state(seq=0, status="running").events]
+    assert texts == [f"event {n}" for n in range(10, SHOWN_EVENTS + 10)]
+    numbers = [event.number for event in w.events]
+    assert numbers == sorted(set(numbers))
+
+
+def test_a_status_of_another_flight_or_of_nobody_is_not_heard():
+    w = world()
+
+    def status(sender: int, epoch: int) -> Status:
+        link = f"{(sender - 2) % 3 + 1}->{sender}"
+        return Status(sender, 1, 0.0, epoch, link, 0.0, -1, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1)
+
+    for sender, epoch in ((1, 1), (4, 0), (0, 0)):
+        w.hear(status(sender, epoch))
+    assert w.statuses == {}
+    assert w.counts == {}
+    w.hear(status(1, 0))
+    assert set(w.statuses) == {1}
+    assert w.counts == {"3->1": LinkCounts(sent=5)}
+
+
+@pytest.mark.parametrize("link", ["", "x->y", "1->9", "nonsense", "2->1"])
+def test_a_status_about_a_link_that_is_not_its_senders_does_not_spoil_the_summary(link):
+    w = world()
+    fly(w, 3)
+    w.hear(Status(1, 1, 0.0, 0, link, 0.0, -1, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1))
+    assert w.summary()["links"] == {}
+
+
+# ---------------------------------------------------------------- figures
+
+
+def test_the_summary_is_what_a_direct_computation_gives():
+    w = world("duration=0.6", "noise.slip=0.2")
+    poses, ages = [w.plant.poses], []
+    generator = np.random.default_rng(0)
+    while not w.finished:
+        commands = {
+            i: command(i, w.k, *generator.uniform(-0.3, 0.3, 2), age=float(generator.random()), solve=0.001 * i)
+            for i in w.robots
+        }
+        ages.append([commands[i].age for i in w.robots])
+        w.advance(commands)
+        poses.append(w.plant.poses)
+    w.hear(Status(1, 59, 0.59, 0, "3->1", 0.0, -1, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
+    for warmup, first in ((0.0, 0), (0.25, 25)):
+        s = w.summary(warmup=warmup)
+        track = np.array(poses)
+        t = np.arange(first, 61) * TICK
+        distance, angle = pattern_errors(track[first:], w.scenario.pattern, heading(w.scenario.path, t, 0.1))
+        off = tracking_error(track[first:], w.scenario.path.position(t))
+        measures = [(s["robots"][str(i + 1)][key], values[:, i]) for i in range(3) for key, values in (("distance_error_m", distance), ("angle_error_rad", angle))]
+        for got, values in [*measures, (s["tracking_error_m"], off)]:
+            size = np.sort(np.abs(values))
+            assert got["rms"] == pytest.approx(math.sqrt(sum(v * v for v in values) / len(values)))
+            assert got["max"] == size[-1]
+            assert got["final"] == values[-1]
+            for key, share in (("q1", 0.25), ("median", 0.5), ("q3", 0.75), ("p95", 0.95)):
+                assert got[key] == pytest.approx(np.percentile(size, 100 * share))
+        own = np.array(ages)[first:, 0]
+        link = s["links"]["3->1"]
+        assert (link["sent"], link["delivered"], link["lost"], link["late"]) == (9, 7, 2, 1)
+        assert link["age_s"] == {
+            "median": pytest.approx(np.median(own)),
+            "p95": pytest.approx(np.percentile(own, 95)),
+            "max": own.max(),
+        }
+        assert s["solve_s"]["median"] == pytest.approx(0.002)
+        assert (s["ticks"], s["seed"], s["scenario"], s["controller"]) == (60, 0, "triangle-circle", "nash")
+        assert (s["duration"], s["warmup"]) == (pytest.approx(0.6), pytest.approx(warmup))
+        # The sha is of the whole flight, whatever the warm-up.
+        assert s["trajectory_sha256"] == hashlib.sha256(track.astype("<f8").tobytes()).hexdigest()
+        assert s["events"] == [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in w.events]
+
+
+def test_a_flight_that_has_not_begun_has_a_summary_without_ages():
+    s = world().summary()
+    assert s["ticks"] == 0
+    assert s["solve_s"] == {"median": None, "p99": None}
+
+
+def test_a_warmup_longer_than_the_flight_measures_its_last_pose():
+    w = world()
+    fly(w, 5)
+    s = w.summary(warmup=100.0)
+    assert s["warmup"] == pytest.approx(0.05)
+    one = s["robots"]["1"]["distance_error_m"]
+    assert one["rms"] == one["max"] == abs(one["final"])
+
+
+def test_a_trace_is_full_at_its_last_tick():
+    scenario = load("circle")
+    trace = Trace(scenario, 2)
+    trace.start(np.zeros((2, 3)))
+    for full in (False, True):
+        assert not trace.full
+        trace.add(np.zeros((2, 3)), {})
+        assert trace.full is full
+
+
+def test_an_endless_flight_goes_on_where_the_path_is_closed_and_keeps_no_figures():
+    w = world("duration=0.05", endless=True)
+    fly(w, 10)
+    assert not w.finished
+    assert not w.tick().last
+    assert w.summary() == {}
+    open_path = world("duration=0.05", name="sinusoid", endless=True)
+    fly(open_path, 5)
+    assert open_path.finished
+
+
+# ---------------------------------------------------------------- noise
+
+
+def plant(*settings_: str) -> Plant:
+    return Plant(load("triangle-circle", settings_))
+
+
+def rolled(p: Plant, ticks: int = 20) -> np.ndarray:
+    for _ in range(ticks):
+        p.move(np.array([[0.1, 0.2]] * 3))
+    return p.poses
+
+
+def test_noise_is_seeded():
+    noisy = ["noise.slip=0.2", "noise.gyro=0.1", "noise.position=0.01", "noise.heading=0.1"]
+    a, b, c = plant(*noisy), plant(*noisy), plant(*noisy, "seed=1")
+    np.testing.assert_array_equal(rolled(a), rolled(b))
+    assert np.all(a.poses != rolled(c))
+    np.testing.assert_array_equal(a.measure(), b.measure())
+    assert np.all(a.measure() != a.poses)
+
+
+def test_measuring_does_not_change_how_the_bodies_slip():
+    quiet, watched = plant("noise.slip=0.2"), plant("noise.slip=0.2", "noise.position=0.01")
+    for _ in range(20):
+        quiet.move(np.array([[0.1, 0.2]] * 3))
+        watched.measure()
+        watched.move(np.array([[0.1, 0.2]] * 3))
+    np.testing.assert_array_equal(watched.poses, quiet.poses)
+
+
+def test_slipping_does_not_change_how_poses_are_measured():
+    still, slipping = plant("noise.position=0.01"), plant("noise.position=0.01", "noise.slip=0.2", "noise.gyro=0.2")
+    for _ in range(5):
+        blur = [p.measure() - p.poses for p in (still, slipping)]
+        np.testing.assert_allclose(blur[0], blur[1], atol=1e-15)  # the same draws, added to other poses
+        assert np.abs(blur[0]).max() > 1e-4
+        for p in (still, slipping):
+            p.move(np.array([[0.1, 0.2]] * 3))
+
+
+def test_the_slip_does_not_depend_on_the_inputs():
+    a, b = plant("noise.gyro=0.2"), plant("noise.gyro=0.2")
+    start = a.poses
+    for _ in range(10):
+        a.move(np.array([[0.0, 0.0]] * 3))
+        b.move(np.array([[0.3, 0.5]] * 3))
+    turn = b.poses[:, 2] - start[:, 2] - 10 * TICK * 0.5
+    np.testing.assert_allclose(a.poses[:, 2] - start[:, 2], turn, atol=1e-12)
+    assert np.abs(turn).min() > 1e-5
+
+
+def test_the_noise_has_the_size_asked_for():
+    p = plant("noise.position=0.003", "noise.heading=0.02")
+    blur = np.array([p.measure() - p.poses for _ in range(2000)])
+    np.testing.assert_allclose(blur.std(axis=(0, 1)), [0.003, 0.003, 0.02], rtol=0.05)  # 6000 draws: 1 % spread
+    q = plant("noise.slip=0.2", "noise.gyro=0.3")
+    turns = []
+    for _ in range(2000):
+        before = q.poses
+        q.move(np.array([[0.1, 1.0]] * 3))
+        turns.append((q.poses - before)[:, 2] / TICK)
+    assert np.std(turns) == pytest.approx(math.hypot(0.2, 0.3), rel=0.05)
+    assert np.mean(turns) == pytest.approx(1.0, abs=0.02)
+
+
+def test_without_noise_what_is_measured_is_true():
+    p = plant()
+    assert p.measure() is p.poses
+    assert not p.poses.flags.writeable

@@ -17,6 +17,7 @@ name: echelon
 
 x-service: &service
   image: localhost/echelon
+  pull_policy: never
   user: "10001:10001"
   read_only: true
   cap_drop: [ALL]
@@ -41,7 +42,7 @@ def plan(scenario: str, settings: Sequence[str]) -> Plan:
         listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
         settings=settings,
         endless=True,
-        dashboard=("0.0.0.0", PAGE_PORT),  # noqa: S104  of its container; published on loopback only
+        dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
     )
 
 
@@ -69,7 +70,7 @@ def _service(program: Program) -> str:
         f"    command: {json.dumps(['python', '-m', program.module, *program.arguments])}",
         "    healthcheck:",
         f"      test: {json.dumps(check)}",
-        "      interval: 10s",
+        "      interval: 30s",
         "      timeout: 8s",
         "      start_period: 20s",
     ]

@@ -1,5 +1,8 @@
 """One robot's mind: whose plans it believes, what it does without them, and what it does not know it does not use."""
 
+# mypy: disable-error-code="call-arg, no-any-return"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
 from typing import Any
 
@@ -48,7 +51,7 @@ POSE = start(load("circle"), 1)
 # ---------------------------------------------------------------- whose plans count
 
 
-def test_a_plan_of_the_upstream_neighbour_is_believed():
+def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
     mind = agent()
     mind.receive(plan(0))
     command = mind.step(1, TICK, POSE).command
@@ -62,7 +65,7 @@ def test_a_plan_of_the_upstream_neighbour_is_believed():
     [plan(0, epoch=1), plan(0, sender=1), plan(0, sender=3), plan(0, sender=0)],
     ids=["another flight", "itself", "somebody else", "the world"],
 )
-def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger):
+def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger: Any) -> None:
     mind, alone = agent(), agent()
     mind.receive(stranger)
     got, expected = mind.step(1, TICK, POSE), alone.step(1, TICK, POSE)
@@ -72,7 +75,7 @@ def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger):
     assert got.command.age == pytest.approx(TICK)  # since the start of the flight
 
 
-def test_an_agent_of_a_later_flight_believes_plans_of_that_flight():
+def test_an_agent_of_a_later_flight_believes_plans_of_that_flight() -> None:
     mind = agent(epoch=7)
     mind.receive(plan(0, epoch=0))
     mind.receive(plan(0, epoch=7))
@@ -83,7 +86,7 @@ def test_an_agent_of_a_later_flight_believes_plans_of_that_flight():
     assert answer.plan.epoch == 7
 
 
-def test_a_plan_that_was_there_before_is_ignored():
+def test_a_plan_that_was_there_before_is_ignored() -> None:
     mind = agent()
     for k in (3, 3, 2, 4):
         mind.receive(plan(k))
@@ -91,7 +94,7 @@ def test_a_plan_that_was_there_before_is_ignored():
     assert mind.heard == 4
 
 
-def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used():
+def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None:
     mind = agent()
     mind.set_faults({"2->1": Fault(latency=0.5)})
     mind.receive(plan(0))
@@ -106,7 +109,7 @@ def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used():
     assert command.age == pytest.approx(0.5)
 
 
-def test_a_damaged_plan_is_counted_and_not_used():
+def test_a_damaged_plan_is_counted_and_not_used() -> None:
     mind, alone = agent(), agent()
     mind.set_faults({"2->1": Fault(corrupt=1.0)})
     for k in range(5):
@@ -118,7 +121,7 @@ def test_a_damaged_plan_is_counted_and_not_used():
     assert status(mind, 4).belief == -1
 
 
-def test_a_plan_that_is_late_is_not_used_before_it_has_arrived():
+def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
     mind, alone = agent(), agent()
     mind.set_faults({"2->1": Fault(latency=0.05)})
     mind.receive(plan(0))
@@ -130,7 +133,7 @@ def test_a_plan_that_is_late_is_not_used_before_it_has_arrived():
     assert command.age == pytest.approx(0.05)
 
 
-def test_the_scenarios_own_link_holds_from_the_first_tick():
+def test_the_scenarios_own_link_holds_from_the_first_tick() -> None:
     mind = agent(1, "link.latency=0.05")
     mind.receive(plan(0))
     mind.step(0, 0.0, POSE)
@@ -139,7 +142,9 @@ def test_the_scenarios_own_link_holds_from_the_first_tick():
 
 @given(st.floats(-1e300, 1e300), st.floats(1e-300, 1e300), st.sampled_from(["nash", "paper"]))
 @settings(max_examples=40)
-def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(number, interval, controller):
+def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(
+    number: Any, interval: Any, controller: Any
+) -> None:
     mind = agent(1, f"controller.name={controller}")
     wild = plan(0, pose=np.full(3, number), interval=interval, inputs=np.full((20, 2), -number))
     with np.errstate(all="ignore"):
@@ -150,7 +155,7 @@ def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(number,
 
 
 @pytest.mark.parametrize("steps", [1, 19, 21, 100])
-def test_a_plan_of_another_horizon_does_no_harm(steps):
+def test_a_plan_of_another_horizon_does_no_harm(steps: Any) -> None:
     mind = agent()
     mind.receive(plan(0, inputs=np.ones((steps, 2))))
     command = mind.step(1, TICK, POSE).command
@@ -160,7 +165,7 @@ def test_a_plan_of_another_horizon_does_no_harm(steps):
 # ---------------------------------------------------------------- what it says
 
 
-def test_a_command_and_a_plan_carry_tick_stamp_and_sender():
+def test_a_command_and_a_plan_carry_tick_stamp_and_sender() -> None:
     mind = agent(2)
     answer = mind.step(37, 0.37, start(load("circle"), 2))
     for message in (answer.command, answer.plan):
@@ -174,7 +179,7 @@ def test_a_command_and_a_plan_carry_tick_stamp_and_sender():
     assert decode(Command, encode(answer.command)) == answer.command
 
 
-def test_between_plans_the_plans_own_inputs_are_applied():
+def test_between_plans_the_plans_own_inputs_are_applied() -> None:
     mind = agent(1, "controller.plan_every=15", name="figure8")
     said = answers(mind, start(load("figure8"), 1), range(30))
     assert [k for k, answer in enumerate(said) if answer.plan is not None] == [0, 15]
@@ -186,14 +191,14 @@ def test_between_plans_the_plans_own_inputs_are_applied():
     assert tuple(first.inputs[0]) != tuple(first.inputs[1])
 
 
-def test_who_starts_between_two_planning_ticks_plans_at_once():
+def test_who_starts_between_two_planning_ticks_plans_at_once() -> None:
     mind = agent(1, "controller.plan_every=10")
     assert mind.step(7, 0.07, POSE).plan is not None
     assert mind.step(8, 0.08, POSE).plan is None
     assert mind.step(10, 0.10, POSE).plan is not None
 
 
-def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire():
+def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
     mind = agent()
     mind.receive(plan(0))
     mind.step(3, 0.03, POSE)
@@ -206,7 +211,7 @@ def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire():
     assert decode(Status, encode(said)) == said
 
 
-def test_the_answer_depends_on_nothing_but_what_it_was_given():
+def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:
     first, second = agent(), agent()
     for mind in (first, second):
         mind.receive(plan(0))
@@ -221,7 +226,7 @@ def test_the_answer_depends_on_nothing_but_what_it_was_given():
 # ---------------------------------------------------------------- where it is
 
 
-def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan():
+def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan() -> None:
     mind = agent()
     mind.set_faults({"world->1": Fault(cut=True)})
     mind.receive(plan(0))
@@ -231,7 +236,7 @@ def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan():
         assert not answer.command.planned
 
 
-def test_with_late_poses_it_dead_reckons_along_its_own_commands():
+def test_with_late_poses_it_dead_reckons_along_its_own_commands() -> None:
     mind = agent()
     pose = tuple(POSE)
     truth = [pose]
@@ -249,7 +254,7 @@ def test_with_late_poses_it_dead_reckons_along_its_own_commands():
     assert math.dist(truth[-1][:2], truth[0][:2]) > 0.01
 
 
-def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone():
+def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone() -> None:
     mind, pose = agent(), tuple(POSE)
     for k in range(60):
         if k == 10:
@@ -261,7 +266,7 @@ def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone():
         pose = step(*pose, answer.command.v, answer.command.omega, TICK)
 
 
-def test_once_the_pose_link_is_mended_it_believes_what_it_measures():
+def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
     mind = agent()
     mind.set_faults({"world->1": Fault(cut=True)})
     answers(mind, POSE, range(5))
@@ -271,13 +276,13 @@ def test_once_the_pose_link_is_mended_it_believes_what_it_measures():
     np.testing.assert_array_equal(answer.plan.pose, POSE)
 
 
-def test_a_damaged_pose_is_not_believed():
+def test_a_damaged_pose_is_not_believed() -> None:
     mind = agent()
     mind.set_faults({"world->1": Fault(corrupt=1.0)})
     assert mind.step(0, 0.0, POSE).plan is None
 
 
-def test_a_robot_without_poses_stands_still_in_the_world_as_well():
+def test_a_robot_without_poses_stands_still_in_the_world_as_well() -> None:
     scenario = load("circle", ['faults=[{link="world->1", cut=true}]'])
     world = World(scenario)
     minds = {i: Agent(scenario, i) for i in world.robots}

@@ -5,6 +5,7 @@ import importlib
 import tomllib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -65,7 +66,7 @@ def name_of(file: Path) -> str:
 @cache
 def imports(file: Path) -> list[tuple[str, set[str]]]:
     """Every (module, names imported from it), wherever it stands in the file."""
-    found = []
+    found: list[tuple[str, set[str]]] = []
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found += [(alias.name, set()) for alias in node.names]
@@ -90,7 +91,7 @@ def violations(file: Path) -> list[str]:
     return sorted(rooms - ALLOWED[room] - {room})
 
 
-def test_there_is_something_to_check():
+def test_there_is_something_to_check() -> None:
     assert len(FILES) > 50
     seen = {name_of(file).split("/")[0] for file in FILES}
     assert seen == set(ROOMS)
@@ -98,13 +99,13 @@ def test_there_is_something_to_check():
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_imports_between_rooms_point_one_way(room):
+def test_imports_between_rooms_point_one_way(room: Any) -> None:
     wrong = {name_of(file): violations(file) for file in FILES if name_of(file).startswith(f"{room}/")}
     assert wrong, f"no files in {room}"
     assert not {file: rooms for file, rooms in wrong.items() if rooms}
 
 
-def test_the_rooms_that_must_not_know_each_other_do_not():
+def test_the_rooms_that_must_not_know_each_other_do_not() -> None:
     assert not ALLOWED["dashboard"] & {"agents", "world"}
     assert "world" not in ALLOWED["agents"]
     assert "agents" not in ALLOWED["world"]
@@ -112,7 +113,7 @@ def test_the_rooms_that_must_not_know_each_other_do_not():
     assert all(order[below] < order[room] for room, rooms in ALLOWED.items() for below in rooms)
 
 
-def test_a_wrong_import_would_be_found(tmp_path, monkeypatch):
+def test_a_wrong_import_would_be_found(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
     (tmp_path / "agents").mkdir()
     file = tmp_path / "agents" / "bad.py"
@@ -120,28 +121,28 @@ def test_a_wrong_import_would_be_found(tmp_path, monkeypatch):
     assert violations(file) == ["cli", "world"]
 
 
-def test_every_installed_package_is_a_room():
+def test_every_installed_package_is_a_room() -> None:
     with (ROOT / "pyproject.toml").open("rb") as file:
         packages = tomllib.load(file)["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
     assert set(packages) - DATA == set(ROOMS)
 
 
-def test_no_other_folder_holds_code_of_the_product():
+def test_no_other_folder_holds_code_of_the_product() -> None:
     folders = {file.parent.name for file in ROOT.glob("*/*.py")}
     assert folders - set(ROOMS) <= {"tests", "benchmarks", ".ci"}
 
 
-def test_zenoh_is_imported_in_one_module_of_network():
+def test_zenoh_is_imported_in_one_module_of_network() -> None:
     assert importers("zenoh") == {"network/session.py"}
 
 
-def test_viser_is_imported_in_dashboard_only():
+def test_viser_is_imported_in_dashboard_only() -> None:
     files = importers("viser")
     assert files
     assert {file.split("/")[0] for file in files} == {"dashboard"}
 
 
-def test_numba_is_imported_where_kernels_are_compiled_only():
+def test_numba_is_imported_where_kernels_are_compiled_only() -> None:
     # Importing numba costs a process 0.4 s and 120 MB: formation, network, world and dashboard must not.
     files = importers("numba")
     assert "agents/compiled.py" in files
@@ -149,7 +150,7 @@ def test_numba_is_imported_where_kernels_are_compiled_only():
 
 
 @pytest.mark.parametrize("place", PURE)
-def test_what_decides_reads_no_wall_clock(place):
+def test_what_decides_reads_no_wall_clock(place: Any) -> None:
     files = [file for file in FILES if name_of(file) == place or name_of(file).startswith(f"{place}/")]
     assert files, f"{place} does not exist"
     for file in files:
@@ -157,26 +158,30 @@ def test_what_decides_reads_no_wall_clock(place):
         assert not modules & WALL_CLOCK, name_of(file)
 
 
-def test_solve_times_are_measured_with_perf_counter_and_nothing_else():
+def test_solve_times_are_measured_with_perf_counter_and_nothing_else() -> None:
     for place, allowed in MEASURES_SOLVES.items():
         used = [names for module, names in imports(ROOT / place) if module.split(".")[0] in WALL_CLOCK]
         assert used == [allowed], place
 
 
-def test_only_shells_of_processes_read_a_clock():
+def test_only_shells_of_processes_read_a_clock() -> None:
     readers = importers("time") | importers("datetime")
     assert readers
     assert {file.split("/")[0] for file in readers} <= SHELLS_WITH_CLOCKS
-    shells = {
-        file for file in readers if file.split("/")[0] in {"agents", "world", "network"}
-    } - set(MEASURES_SOLVES)
+    shells = {file for file in readers if file.split("/")[0] in {"agents", "world", "network"}} - set(MEASURES_SOLVES)
     processes = {"agents/process.py", "world/process.py"}
     # In network: the end of a process, the log's rate, the router's health, and waiting for replies.
-    network = {"network/lifetime.py", "network/rejects.py", "network/health.py", "network/session.py", "network/__main__.py"}
+    network = {
+        "network/lifetime.py",
+        "network/rejects.py",
+        "network/health.py",
+        "network/session.py",
+        "network/__main__.py",
+    }
     assert shells <= processes | network
 
 
-def test_chance_in_the_core_is_seeded():
+def test_chance_in_the_core_is_seeded() -> None:
     """No module of `random`, and no numpy generator without a seed, in what decides."""
     files = [file for file in FILES if any(name_of(file).startswith(place) for place in CLOCK_FREE)]
     assert len(files) > 25
@@ -188,25 +193,27 @@ def test_chance_in_the_core_is_seeded():
 
 
 @pytest.mark.parametrize("file", FILES, ids=name_of)
-def test_a_file_has_at_most_300_lines_and_a_docstring(file):
+def test_a_file_has_at_most_300_lines_and_a_docstring(file: Any) -> None:
     text = file.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= MAX_LINES
     assert ast.get_docstring(ast.parse(text)), "no docstring"
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_a_rooms_init_is_one_docstring(room):
+def test_a_rooms_init_is_one_docstring(room: Any) -> None:
     body = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8")).body
     assert len(body) == 1
     assert isinstance(body[0], ast.Expr)
 
 
-def test_there_are_no_utils_and_no_common():
+def test_there_are_no_utils_and_no_common() -> None:
     assert not [file for file in FILES if file.stem in {"utils", "util", "common", "helpers", "misc"}]
 
 
-def test_tests_are_flat_and_shadow_no_room():
-    folders = {path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and not path.name.startswith((".", "__"))}
+def test_tests_are_flat_and_shadow_no_room() -> None:
+    folders = {
+        path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and not path.name.startswith((".", "__"))
+    }
     assert folders <= {"browser", "processes"}
     for room in ROOMS:
         origin = importlib.import_module(room).__file__

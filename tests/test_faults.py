@@ -43,31 +43,31 @@ def state(*faults: dict[str, Any], **link: Any) -> FaultState:
     ("text", "value"),
     [("300ms", 0.3), ("0.3s", 0.3), ("0.3", 0.3), (" 2 min ", 120.0), ("0s", 0.0), ("1e3ms", 1.0), ("5 s", 5.0)],
 )
-def test_a_time_may_be_written_with_its_unit(text, value):
+def test_a_time_may_be_written_with_its_unit(text: Any, value: Any) -> None:
     assert seconds(text) == pytest.approx(value)
     assert Fault(latency=text).latency == pytest.approx(value)
 
 
 @pytest.mark.parametrize(("text", "value"), [("30%", 0.3), ("0.3", 0.3), (" 30 % ", 0.3), ("0%", 0.0), ("100%", 1.0)])
-def test_a_share_may_be_written_in_per_cent(text, value):
+def test_a_share_may_be_written_in_per_cent(text: Any, value: Any) -> None:
     assert share(text) == pytest.approx(value)
     assert Fault(loss=text).loss == pytest.approx(value)
 
 
 @given(st.floats(0, 1e6))
-def test_numbers_pass_as_they_are(number):
+def test_numbers_pass_as_they_are(number: Any) -> None:
     assert seconds(number) == number
     assert share(number) == number
 
 
 @pytest.mark.parametrize("text", ["", "ms", "fast", "3h", "3%", "1,5s", "--3s"])
-def test_a_time_that_is_none_is_refused_with_an_example(text):
+def test_a_time_that_is_none_is_refused_with_an_example(text: Any) -> None:
     with pytest.raises(ValueError, match=r"300ms.*got"):
         seconds(text)
 
 
 @pytest.mark.parametrize("text", ["", "%", "half", "3 percent", "0.3s"])
-def test_a_share_that_is_none_is_refused_with_an_example(text):
+def test_a_share_that_is_none_is_refused_with_an_example(text: Any) -> None:
     with pytest.raises(ValueError, match=r"30%.*got"):
         share(text)
 
@@ -86,7 +86,7 @@ def test_a_share_that_is_none_is_refused_with_an_example(text):
         ({"rate": -1, "loss": 2}, ["rate", "loss"]),
     ],
 )
-def test_a_wrong_change_is_one_line_with_key_and_choices(changes, words):
+def test_a_wrong_change_is_one_line_with_key_and_choices(changes: Any, words: Any) -> None:
     with pytest.raises(FaultError) as caught:
         with_changes(PERFECT, changes)
     assert "\n" not in str(caught.value)
@@ -97,47 +97,47 @@ def test_a_wrong_change_is_one_line_with_key_and_choices(changes, words):
 # ---------------------------------------------------------------- links and presets
 
 
-def test_the_links_of_a_ring_lead_downstream():
+def test_the_links_of_a_ring_lead_downstream() -> None:
     assert plan_links(2) == ["1->2", "2->1"]
     assert plan_links(3) == ["1->2", "2->3", "3->1"]
     assert every_link(2) == ["1->2", "2->1", "world->1", "1->world", "world->2", "2->world"]
 
 
 @pytest.mark.parametrize("text", ["2->3", " 2 -> 3 ", "2→3", "2 → 3"])
-def test_a_link_may_be_written_with_spaces_or_an_arrow(text):
+def test_a_link_may_be_written_with_spaces_or_an_arrow(text: Any) -> None:
     assert links_named(text, 3) == ["2->3"]
 
 
-def test_all_means_the_ring():
+def test_all_means_the_ring() -> None:
     assert links_named("all", 3) == ["1->2", "2->3", "3->1"]
     assert links_named("world->2", 3) == ["world->2"]
 
 
 @pytest.mark.parametrize("text", ["3->2", "1->4", "1", "", "ALL", "world", "world->4", "1->2->3"])
-def test_an_unknown_link_is_refused_with_the_choices(text):
+def test_an_unknown_link_is_refused_with_the_choices(text: Any) -> None:
     with pytest.raises(FaultError, match=r"link: expected one of all, 1->2, 2->3, 3->1, world->1, 1->world"):
         links_named(text, 3)
 
 
-def test_an_unknown_preset_is_refused_with_the_choices_and_the_nearest():
+def test_an_unknown_preset_is_refused_with_the_choices_and_the_nearest() -> None:
     assert preset("wifi") is PRESETS["wifi"]
     with pytest.raises(FaultError, match=r"satellite.*did you mean bursty\?"):
         preset("burst")
 
 
-def test_an_entry_of_the_schedule_changes_only_the_keys_that_it_names():
+def test_an_entry_of_the_schedule_changes_only_the_keys_that_it_names() -> None:
     assert ScheduledFault(at=1, loss=0.5).changes() == {"loss": 0.5}
     assert ScheduledFault(at=1).changes() == {}
     assert ScheduledFault(loss=0.0).changes() == {"loss": 0.0}  # named, though it is the default
 
 
-def test_a_preset_in_the_schedule_sets_every_key_and_keys_beside_it_refine_it():
+def test_a_preset_in_the_schedule_sets_every_key_and_keys_beside_it_refine_it() -> None:
     changes = ScheduledFault(preset="bursty", loss=0.1).changes()
     assert changes == PRESETS["bursty"].model_dump() | {"loss": 0.1}
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_fault_said_in_words_names_what_is_wrong(name):
+def test_a_fault_said_in_words_names_what_is_wrong(name: Any) -> None:
     fault = PRESETS[name]
     words = fault.words()
     assert words != "healthy"
@@ -146,7 +146,7 @@ def test_a_fault_said_in_words_names_what_is_wrong(name):
 
 
 @given(st.builds(Fault, latency=st.floats(0, 2), loss=st.floats(0, 1), keep_order=st.booleans(), burst=st.floats(0, 9)))
-def test_the_keys_that_differ_from_a_perfect_link_say_all(fault):
+def test_the_keys_that_differ_from_a_perfect_link_say_all(fault: Any) -> None:
     assert with_changes(PERFECT, fault.plain()) == fault
     assert (fault.plain() == {}) == (fault == PERFECT)
 
@@ -154,7 +154,7 @@ def test_the_keys_that_differ_from_a_perfect_link_say_all(fault):
 # ---------------------------------------------------------------- the schedule
 
 
-def test_the_schedule_is_on_from_its_first_tick_to_before_its_last():
+def test_the_schedule_is_on_from_its_first_tick_to_before_its_last() -> None:
     world = World(scenario({"at": 0.05, "until": 0.1, "link": "1->2", "loss": 0.5}))
     on = []
     while world.k < 15:
@@ -164,7 +164,7 @@ def test_the_schedule_is_on_from_its_first_tick_to_before_its_last():
     assert on == [5, 6, 7, 8, 9]
 
 
-def test_the_ticks_of_a_schedule_do_not_suffer_from_rounding():
+def test_the_ticks_of_a_schedule_do_not_suffer_from_rounding() -> None:
     # k * 0.01 is not exact: 0.29 is 29 * 0.01 = 0.29000000000000004 or below, by chance.
     for k in range(1, 300):
         faults = state({"at": k / 100, "until": (k + 1) / 100, "cut": True})
@@ -176,13 +176,13 @@ def test_the_ticks_of_a_schedule_do_not_suffer_from_rounding():
         assert faults.table == {}
 
 
-def test_a_fault_without_an_end_stays():
+def test_a_fault_without_an_end_stays() -> None:
     faults = state({"at": 1.0, "link": "world->2", "latency": "100ms"})
     faults.update(1e6)
     assert faults.table == {"world->2": Fault(latency=0.1)}
 
 
-def test_an_update_tells_every_link_that_changed_once():
+def test_an_update_tells_every_link_that_changed_once() -> None:
     faults = state({"at": 1.0, "until": 2.0, "link": "2->3", "loss": 0.5})
     assert faults.update(0.99) == []
     [line] = faults.update(1.0)
@@ -196,7 +196,7 @@ def test_an_update_tells_every_link_that_changed_once():
 # ---------------------------------------------------------------- layers
 
 
-def test_later_layers_win_key_by_key():
+def test_later_layers_win_key_by_key() -> None:
     faults = state({"at": 1.0, "link": "1->2", "loss": 0.5}, {"at": 2.0, "link": "1->2", "jitter": 0.1}, latency=0.2)
     assert faults.table == dict.fromkeys(plan_links(3), Fault(latency=0.2))
     faults.update(1.0)
@@ -209,11 +209,11 @@ def test_later_layers_win_key_by_key():
     assert faults.table["1->2"] == Fault(latency=0.2, loss=0.1, jitter=0.1)
 
 
-def test_the_scenarios_link_holds_for_the_ring_and_not_for_poses_and_commands():
+def test_the_scenarios_link_holds_for_the_ring_and_not_for_poses_and_commands() -> None:
     assert set(state(latency=0.2).table) == set(plan_links(3))
 
 
-def test_what_a_person_sets_ends_at_its_time():
+def test_what_a_person_sets_ends_at_its_time() -> None:
     faults = state(latency=0.2)
     faults.change("all", {"cut": True}, 5.0)
     faults.update(4.99)
@@ -222,7 +222,7 @@ def test_what_a_person_sets_ends_at_its_time():
     assert faults.table == dict.fromkeys(plan_links(3), Fault(latency=0.2))
 
 
-def test_a_second_change_adds_to_the_first():
+def test_a_second_change_adds_to_the_first() -> None:
     faults = state()
     faults.change("1->2", {"latency": "300ms"}, None)
     faults.change("1->2", {"loss": "30%"}, None)
@@ -230,7 +230,7 @@ def test_a_second_change_adds_to_the_first():
     assert faults.table == {"1->2": Fault(latency=0.3, loss=0.3)}
 
 
-def test_a_change_back_to_healthy_takes_the_link_from_the_table():
+def test_a_change_back_to_healthy_takes_the_link_from_the_table() -> None:
     faults = state(latency=0.2)
     faults.change("1->2", {"latency": 0}, None)
     faults.update(0.0)
@@ -238,7 +238,7 @@ def test_a_change_back_to_healthy_takes_the_link_from_the_table():
 
 
 @pytest.mark.parametrize(("link", "changes"), [("1->3", {"loss": 0.5}), ("1->2", {"los": 0.5}), ("all", {"loss": 7})])
-def test_a_wrong_change_changes_nothing(link, changes):
+def test_a_wrong_change_changes_nothing(link: Any, changes: Any) -> None:
     faults = state(latency=0.2)
     before = dict(faults.table)
     with pytest.raises(FaultError):
@@ -247,7 +247,7 @@ def test_a_wrong_change_changes_nothing(link, changes):
     assert faults.table == before
 
 
-def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on():
+def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on() -> None:
     later = {"at": 9.0, "link": "1->2", "jitter": 0.1}
     faults = state({"at": 1.0, "link": "1->2", "loss": 0.5}, later, latency=0.2)
     faults.update(1.0)
@@ -265,7 +265,7 @@ def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on()
     assert faults.table == dict.fromkeys(plan_links(3), Fault(latency=0.2))
 
 
-def test_clearing_all_takes_back_what_people_set_on_poses_and_commands_too():
+def test_clearing_all_takes_back_what_people_set_on_poses_and_commands_too() -> None:
     faults = state()
     faults.change("world->1", {"cut": True}, None)
     faults.change("2->world", {"cut": True}, None)
@@ -276,12 +276,12 @@ def test_clearing_all_takes_back_what_people_set_on_poses_and_commands_too():
     assert faults.table == {}
 
 
-def test_clearing_an_unknown_link_is_an_error():
+def test_clearing_an_unknown_link_is_an_error() -> None:
     with pytest.raises(FaultError, match="3->1"):
         state().clear("1->3", 0.0)
 
 
-def test_a_restart_makes_the_schedule_whole_and_keeps_what_people_set_without_an_end():
+def test_a_restart_makes_the_schedule_whole_and_keeps_what_people_set_without_an_end() -> None:
     faults = state({"at": 1.0, "until": 3.0, "link": "1->2", "loss": 0.5})
     faults.update(1.0)
     faults.change("2->3", {"latency": 0.1}, None)

@@ -1,5 +1,8 @@
 """The fast engine: it repeats itself, numbering does not matter, faults do not depend on who flies, figures are met."""
 
+# mypy: disable-error-code="no-any-return"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 from typing import Any
 
 import numpy as np
@@ -53,7 +56,7 @@ def ring(offsets: FloatArray, poses: FloatArray, controller: str) -> Scenario:
 
 @pytest.mark.parametrize("controller", ["nash", "paper"])
 @pytest.mark.parametrize("turn", [1, 2])
-def test_relabelling_the_robots_permutes_the_trajectories(controller, turn):
+def test_relabelling_the_robots_permutes_the_trajectories(controller: Any, turn: Any) -> None:
     base = load("triangle-circle")
     # A scalene triangle: no symmetry that would make the law trivial.
     offsets = np.array([[0.08, 0.0], [-0.05, 0.06], [-0.03, -0.06]])
@@ -65,7 +68,7 @@ def test_relabelling_the_robots_permutes_the_trajectories(controller, turn):
     assert np.abs(there - here).max() > 0.01
 
 
-def test_this_files_loop_is_that_of_the_engine():
+def test_this_files_loop_is_that_of_the_engine() -> None:
     import hashlib
 
     scenario = load("figure8", ["duration=2", "link.loss=0.3", *NOISY])
@@ -74,7 +77,7 @@ def test_this_files_loop_is_that_of_the_engine():
 
 
 @pytest.mark.parametrize("settings", [[], NOISY, ["link.jitter=0.05", "link.latency=0.05", "link.loss=0.2"]])
-def test_the_same_seed_flies_the_same_trajectory_to_the_last_bit(settings):
+def test_the_same_seed_flies_the_same_trajectory_to_the_last_bit(settings: Any) -> None:
     scenario = load("triangle-circle", ["duration=2", *settings])
     assert fly(scenario)["trajectory_sha256"] == fly(scenario)["trajectory_sha256"]
 
@@ -82,20 +85,28 @@ def test_the_same_seed_flies_the_same_trajectory_to_the_last_bit(settings):
 @pytest.mark.parametrize(
     "setting", ["noise.slip=0.2", "noise.gyro=0.2", "noise.position=0.001", "noise.heading=0.01", "link.loss=0.5"]
 )
-def test_another_seed_flies_another_trajectory_where_chance_has_a_part(setting):
+def test_another_seed_flies_another_trajectory_where_chance_has_a_part(setting: Any) -> None:
     def sha(seed: int) -> str:
         return str(fly(load("triangle-circle", ["duration=1", f"seed={seed}", setting]))["trajectory_sha256"])
 
     assert sha(1) != sha(2)
 
 
-def test_without_chance_the_seed_does_not_matter():
+def test_without_chance_the_seed_does_not_matter() -> None:
     shas = {fly(load("triangle-circle", ["duration=1", f"seed={seed}"]))["trajectory_sha256"] for seed in (1, 2)}
     assert len(shas) == 1
 
 
-def test_faults_do_not_depend_on_the_controller():
-    faulty = ["duration=8", "link.latency=0.03", "link.jitter=0.02", "link.loss=0.3", "link.burst=12", "link.duplicate=0.1", "link.corrupt=0.05"]
+def test_faults_do_not_depend_on_the_controller() -> None:
+    faulty = [
+        "duration=8",
+        "link.latency=0.03",
+        "link.jitter=0.02",
+        "link.loss=0.3",
+        "link.burst=12",
+        "link.duplicate=0.1",
+        "link.corrupt=0.05",
+    ]
     counts = []
     for controller in ("nash", "leader_follower", "paper"):
         summary = fly(load("triangle-circle", [*faulty, f"controller.name={controller}"]))
@@ -107,20 +118,20 @@ def test_faults_do_not_depend_on_the_controller():
     assert set(counts[0]) == {"1->2", "2->3", "3->1"}
 
 
-def test_every_link_counts_the_same_number_of_plans():
+def test_every_link_counts_the_same_number_of_plans() -> None:
     summary = fly(load("triangle-circle", ["duration=1"]))
     sent = {link: c["sent"] for link, c in summary["links"].items()}
     assert len(set(sent.values())) == 1, sent
 
 
-def test_a_link_with_only_latency_shows_it_as_the_age_of_its_plans():
+def test_a_link_with_only_latency_shows_it_as_the_age_of_its_plans() -> None:
     summary = fly(load("triangle-circle", ["duration=3", "link.latency=0.25"]), warmup=1.0)
     for link in summary["links"].values():
         assert link["age_s"]["median"] == pytest.approx(0.25)
         assert link["age_s"]["max"] == pytest.approx(0.25)
 
 
-def test_progress_is_told_in_growing_simulated_time():
+def test_progress_is_told_in_growing_simulated_time() -> None:
     told: list[float] = []
     fly(load("circle", ["duration=2"]), progress=told.append)
     assert told == sorted(told)
@@ -130,13 +141,13 @@ def test_progress_is_told_in_growing_simulated_time():
 # ---------------------------------------------------------------- figures of issue 2, on short flights
 
 
-def test_nash_keeps_a_triangle_on_a_circle_to_a_twentieth_of_a_millimetre():
+def test_nash_keeps_a_triangle_on_a_circle_to_a_twentieth_of_a_millimetre() -> None:
     summary = fly(load("triangle-circle", ["duration=20"]), warmup=15.0)
     assert millimetres(summary) <= 0.05
     assert summary["tracking_error_m"]["rms"] <= 2e-3
 
 
-def test_nash_does_so_with_every_plan_half_a_second_late():
+def test_nash_does_so_with_every_plan_half_a_second_late() -> None:
     summary = fly(load("triangle-circle", ["duration=20", "link.latency=0.5"]), warmup=15.0)
     assert millimetres(summary) <= 0.05
     for link in summary["links"].values():
@@ -144,26 +155,26 @@ def test_nash_does_so_with_every_plan_half_a_second_late():
 
 
 @pytest.mark.parametrize(("name", "worst"), [("circle", 0.05), ("sinusoid", 0.05), ("figure8", 0.3)])
-def test_nash_keeps_two_robots_in_line(name, worst):
+def test_nash_keeps_two_robots_in_line(name: Any, worst: Any) -> None:
     summary = fly(load(name, ["duration=14"]), warmup=10.0)
     assert millimetres(summary) <= worst
     assert summary["tracking_error_m"]["rms"] <= 2e-3
 
 
-def test_nash_keeps_the_spiral_from_the_first_tick_on():
+def test_nash_keeps_the_spiral_from_the_first_tick_on() -> None:
     assert millimetres(fly(load("spiral", ["duration=15"]))) <= 2.0  # 0.6 over the whole run; its start is the worst
 
 
-def test_old_plans_taken_as_if_fresh_are_worse_than_aged_ones():
-    late = ["duration=15", "link.latency=0.5"]
+def test_old_plans_taken_as_if_fresh_are_worse_than_aged_ones() -> None:
+    late = ["duration=10", "link.latency=0.5"]
     aged = fly(load("triangle-circle", late), warmup=8.0)
     fresh = fly(load("triangle-circle", [*late, "controller.age_plans=false"]), warmup=8.0)
     assert fresh["tracking_error_m"]["rms"] > 3 * aged["tracking_error_m"]["rms"]
 
 
-def test_the_baselines_are_worse_than_nash_by_far():
+def test_the_baselines_are_worse_than_nash_by_far() -> None:
     def worst(controller: str) -> float:
-        return millimetres(fly(load("circle", ["duration=15", f"controller.name={controller}"]), warmup=5.0))
+        return millimetres(fly(load("circle", ["duration=9", f"controller.name={controller}"]), warmup=5.0))
 
     nash, paper, follower = worst("nash"), worst("paper"), worst("leader_follower")
     assert nash < 0.05

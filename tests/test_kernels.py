@@ -1,6 +1,10 @@
 """Laws of the compiled numerics: derivatives, carrying plans forward, and one Gauss-Newton step of the pair's game."""
 
+# mypy: disable-error-code="arg-type, assignment, no-any-return, operator"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +39,7 @@ def table(seed: int, scale: float = 1.0) -> FloatArray:
     st.floats(-2, 2) | st.floats(-3e-3, 3e-3) | st.just(0.0),
     st.sampled_from([0.01, 0.1, 0.5]),
 )
-def test_derivatives_equal_finite_differences(theta, v, omega, dt):
+def test_derivatives_equal_finite_differences(theta: Any, v: Any, omega: Any, dt: Any) -> None:
     got = derivatives(theta, v, omega, dt)
     h = 1e-6
     expected = []
@@ -47,13 +51,13 @@ def test_derivatives_equal_finite_differences(theta, v, omega, dt):
     np.testing.assert_allclose(got, expected, atol=2e-10)
 
 
-def test_derivatives_are_continuous_where_the_series_begins():
+def test_derivatives_are_continuous_where_the_series_begins() -> None:
     omega = 2 * SMALL_TURN / 0.1
     below, above = (derivatives(0.3, 0.5, omega * f, 0.1) for f in (1 - 1e-9, 1 + 1e-9))
     np.testing.assert_allclose(below, above, atol=1e-12)
 
 
-def test_a_roll_out_is_step_after_step():
+def test_a_roll_out_is_step_after_step() -> None:
     inputs = table(1)
     poses = roll_out(np.array([0.1, 0.2, 0.3]), inputs, DT)
     expected = [(0.1, 0.2, 0.3)]
@@ -78,13 +82,15 @@ def shifted(inputs: FloatArray, elapsed: float, tail: FloatArray) -> FloatArray:
 
 
 @given(SEEDS, st.integers(0, N))
-def test_ageing_by_whole_intervals_is_the_roll_out(seed, j):
+def test_ageing_by_whole_intervals_is_the_roll_out(seed: Any, j: Any) -> None:
     inputs, pose = table(seed), np.array([1.0, -2.0, 0.5])
     np.testing.assert_allclose(aged(pose, inputs, j * DT), roll_out(pose, inputs, DT)[j], atol=1e-12)
 
 
 @given(SEEDS, st.integers(0, 10), st.floats(0.0, 0.9))
-def test_ageing_by_a_sum_is_ageing_by_one_and_then_the_other_along_the_shifted_plan(seed, intervals, more):
+def test_ageing_by_a_sum_is_ageing_by_one_and_then_the_other_along_the_shifted_plan(
+    seed: Any, intervals: Any, more: Any
+) -> None:
     inputs, tail, pose = table(seed), np.zeros((N, 2)), np.array([1.0, -2.0, 0.5])
     first = intervals * DT
     whole = aged(pose, inputs, first + more)
@@ -92,7 +98,7 @@ def test_ageing_by_a_sum_is_ageing_by_one_and_then_the_other_along_the_shifted_p
     np.testing.assert_allclose(halves, whole, atol=1e-9)
 
 
-def test_ageing_ends_with_the_plan():
+def test_ageing_ends_with_the_plan() -> None:
     inputs, pose = table(3), np.zeros(3)
     end = roll_out(pose, inputs, DT)[-1]
     np.testing.assert_allclose(aged(pose, inputs, N * DT), end, atol=1e-12)
@@ -100,14 +106,14 @@ def test_ageing_ends_with_the_plan():
 
 
 @given(SEEDS)
-def test_shifting_and_ageing_by_nothing_change_nothing(seed):
+def test_shifting_and_ageing_by_nothing_change_nothing(seed: Any) -> None:
     inputs, pose = table(seed), np.array([1.0, -2.0, 0.5])
     np.testing.assert_array_equal(shifted(inputs, 0.0, table(seed + 1)), inputs)
     np.testing.assert_array_equal(aged(pose, inputs, 0.0), pose)
 
 
 @given(SEEDS, st.integers(0, 12), st.integers(0, 12))
-def test_shifts_by_whole_intervals_add(seed, a, b):
+def test_shifts_by_whole_intervals_add(seed: Any, a: Any, b: Any) -> None:
     inputs = table(seed)
     tail = np.tile([0.1, 0.2], (N, 1))  # the same on every grid
     np.testing.assert_allclose(
@@ -116,7 +122,7 @@ def test_shifts_by_whole_intervals_add(seed, a, b):
 
 
 @given(SEEDS, st.floats(0.0, 1.0))
-def test_a_shifted_input_is_the_mean_of_the_plan_over_its_interval(seed, elapsed):
+def test_a_shifted_input_is_the_mean_of_the_plan_over_its_interval(seed: Any, elapsed: Any) -> None:
     inputs, tail = table(seed), np.zeros((N, 2))
     out = shifted(inputs, elapsed, tail)
     fine = np.arange(0, N * DT - elapsed - DT, DT / 1000)
@@ -127,18 +133,18 @@ def test_a_shifted_input_is_the_mean_of_the_plan_over_its_interval(seed, elapsed
 
 
 @given(SEEDS, st.integers(N, 3 * N))
-def test_past_its_end_a_plan_is_its_tail(seed, intervals):
+def test_past_its_end_a_plan_is_its_tail(seed: Any, intervals: Any) -> None:
     tail = table(seed)
     np.testing.assert_array_equal(shifted(table(seed + 1), intervals * DT, tail), tail)
 
 
 @given(SEEDS, st.floats(0.0, 1.9))
-def test_a_constant_plan_with_the_same_tail_shifts_to_itself(seed, elapsed):
+def test_a_constant_plan_with_the_same_tail_shifts_to_itself(seed: Any, elapsed: Any) -> None:
     constant = np.tile(table(seed)[:1], (N, 1))
     np.testing.assert_allclose(shifted(constant, elapsed, constant), constant, atol=1e-15)
 
 
-def test_a_belief_ages_with_both():
+def test_a_belief_ages_with_both() -> None:
     belief, inputs, tail = Belief(), table(5), np.zeros((N, 2))
     slot = np.array([9.0, 9.0, 9.0])
     assert belief.aged(0.3, slot, tail).pose is slot  # before the first plan the neighbour is in its slot
@@ -154,7 +160,7 @@ def test_a_belief_ages_with_both():
     assert belief.aged(1.0 + N * DT, slot, tail).pose is slot  # past its end it is in its slot again
 
 
-def test_a_belief_takes_the_latest_stamp_and_counts_what_is_older():
+def test_a_belief_takes_the_latest_stamp_and_counts_what_is_older() -> None:
     belief = Belief()
     for stamp, late in ((1.0, 0), (1.2, 0), (1.1, 1), (1.2, 2), (1.3, 2)):
         belief.receive(Plan(2, 0, stamp, 0, np.zeros(3), DT, np.zeros((N, 2))))
@@ -163,7 +169,7 @@ def test_a_belief_takes_the_latest_stamp_and_counts_what_is_older():
     assert belief.plan.stamp == 1.3
 
 
-def test_a_plan_of_another_horizon_is_not_believed():
+def test_a_plan_of_another_horizon_is_not_believed() -> None:
     belief, slot, tail = Belief(), np.zeros(3), np.zeros((N, 2))
     belief.receive(Plan(2, 0, 1.0, 0, np.ones(3), DT, np.ones((N + 1, 2))))
     assert belief.aged(1.0, slot, tail).pose is slot
@@ -195,7 +201,7 @@ class Bench:
     def cost(self, x0: FloatArray, inputs: FloatArray) -> float:
         return float(cost(x0, inputs, *self._data(), self.q, self.r))
 
-    def _data(self) -> tuple:
+    def _data(self) -> tuple[Any, ...]:
         p = self.pair
         return self.block.slots, self.block.inputs, p.psi, self.row, p.stride, p.interval, p.distance
 
@@ -219,7 +225,12 @@ class Bench:
         return e
 
     def rolled(self, x0: FloatArray, inputs: FloatArray) -> FloatArray:
-        both = [roll_out(np.ascontiguousarray(x0[3 * a : 3 * a + 3]), np.ascontiguousarray(inputs[:, 2 * a : 2 * a + 2]), DT) for a in range(2)]
+        both = [
+            roll_out(
+                np.ascontiguousarray(x0[3 * a : 3 * a + 3]), np.ascontiguousarray(inputs[:, 2 * a : 2 * a + 2]), DT
+            )
+            for a in range(2)
+        ]
         return np.hstack(both)
 
     def dense_step(self, x0: FloatArray, nominal: FloatArray) -> FloatArray:
@@ -250,7 +261,7 @@ each_case = pytest.mark.parametrize(("name", "k", "robot"), CASES)
 
 
 @each_case
-def test_the_cost_is_that_of_the_residuals_in_the_theory(name, k, robot):
+def test_the_cost_is_that_of_the_residuals_in_the_theory(name: Any, k: Any, robot: Any) -> None:
     bench = Bench(name, k, robot)
     generator = np.random.default_rng(k)
     x0 = bench.x0 + generator.normal(0, 0.05, 6)
@@ -268,7 +279,7 @@ def test_the_cost_is_that_of_the_residuals_in_the_theory(name, k, robot):
 
 @each_case
 @pytest.mark.parametrize("size", [0.001, 0.05])
-def test_the_first_step_is_that_of_a_dense_linear_quadratic_solve(name, k, robot, size):
+def test_the_first_step_is_that_of_a_dense_linear_quadratic_solve(name: Any, k: Any, robot: Any, size: Any) -> None:
     bench = Bench(name, k, robot)
     generator = np.random.default_rng(k + 1)
     x0 = bench.x0 + generator.normal(0, size, 6)
@@ -284,7 +295,7 @@ def test_the_first_step_is_that_of_a_dense_linear_quadratic_solve(name, k, robot
 
 
 @each_case
-def test_at_a_perfect_formation_the_step_changes_nothing(name, k, robot):
+def test_at_a_perfect_formation_the_step_changes_nothing(name: Any, k: Any, robot: Any) -> None:
     bench = Bench(name, k, robot)
     bench.block.slots[bench.points] = bench.rolled(bench.x0, bench.targets).reshape(N + 1, 2, 3)
     _, change = bench.improve(bench.x0, bench.targets)
@@ -293,21 +304,21 @@ def test_at_a_perfect_formation_the_step_changes_nothing(name, k, robot):
 
 
 @each_case
-def test_in_the_slots_of_a_reference_the_step_changes_next_to_nothing(name, k, robot):
+def test_in_the_slots_of_a_reference_the_step_changes_next_to_nothing(name: Any, k: Any, robot: Any) -> None:
     bench = Bench(name, k, robot)
     _, change = bench.improve(bench.x0, bench.targets)
     # The arcs land within a micrometre of the slots; the step answers that with a few micrometres per 0.1 s.
     assert change < (1e-6 if name == "circle" else 3e-5)
 
 
-def test_on_a_circle_the_perfect_formation_costs_nothing():
+def test_on_a_circle_the_perfect_formation_costs_nothing() -> None:
     bench = Bench("circle", 100)
     assert bench.cost(bench.x0, bench.targets) < 1e-12
 
 
 @given(SEEDS, st.sampled_from(CASES))
 @settings(max_examples=40)
-def test_a_step_never_raises_the_cost_of_a_small_perturbation(seed, case):
+def test_a_step_never_raises_the_cost_of_a_small_perturbation(seed: Any, case: Any) -> None:
     bench = Bench(*case)
     generator = np.random.default_rng(seed)
     x0 = bench.x0 + generator.normal(0, 0.01, 6)
@@ -322,7 +333,7 @@ def test_a_step_never_raises_the_cost_of_a_small_perturbation(seed, case):
 
 @given(SEEDS, st.floats(0.05, 0.6), st.floats(0.1, 2.0))
 @settings(max_examples=30)
-def test_limits_are_respected_by_both_players(seed, v, omega):
+def test_limits_are_respected_by_both_players(seed: Any, v: Any, omega: Any) -> None:
     bench = Bench("triangle-circle", 50)
     x0 = bench.x0 + np.random.default_rng(seed).normal(0, 0.5, 6)
     out, _ = bench.improve(x0, bench.targets, np.array([v, omega]))
@@ -331,7 +342,7 @@ def test_limits_are_respected_by_both_players(seed, v, omega):
     assert np.abs(out[:, [1, 3]]).max() <= omega
 
 
-def test_tight_limits_are_reached():
+def test_tight_limits_are_reached() -> None:
     bench = Bench("triangle-circle", 50)
     x0 = bench.x0 + np.array([0.5, 0.5, 0.5, -0.5, -0.5, -0.5])
     out, _ = bench.improve(x0, bench.targets, np.array([0.1, 0.2]))
@@ -339,14 +350,14 @@ def test_tight_limits_are_reached():
     assert np.abs(out[:, [1, 3]]).max() == 0.2
 
 
-def test_a_step_from_nonsense_says_that_it_failed():
+def test_a_step_from_nonsense_says_that_it_failed() -> None:
     bench = Bench("circle", 0)
     _, change = bench.improve(np.array([np.inf, 0, 0, 0, 0, 0]), bench.targets)
     assert math.isnan(change)
 
 
 @each_case
-def test_turning_and_shifting_the_scene_does_not_change_the_step(name, k, robot):
+def test_turning_and_shifting_the_scene_does_not_change_the_step(name: Any, k: Any, robot: Any) -> None:
     bench = Bench(name, k, robot)
     generator = np.random.default_rng(8)
     x0 = bench.x0 + generator.normal(0, 0.05, 6)
@@ -372,7 +383,7 @@ def test_turning_and_shifting_the_scene_does_not_change_the_step(name, k, robot)
 
 @given(SEEDS)
 @settings(max_examples=20)
-def test_the_nash_gap_is_not_negative_and_vanishes_at_a_best_response(seed):
+def test_the_nash_gap_is_not_negative_and_vanishes_at_a_best_response(seed: Any) -> None:
     bench = Bench("triangle-circle", 40)
     generator = np.random.default_rng(seed)
     x0 = bench.x0 + generator.normal(0, 0.01, 6)
@@ -384,7 +395,7 @@ def test_the_nash_gap_is_not_negative_and_vanishes_at_a_best_response(seed):
     assert 0.0 <= bench.game.gap(40, x0, inputs) < 1e-4 * gap
 
 
-def test_the_nash_gap_of_a_bad_own_plan_is_what_it_costs():
+def test_the_nash_gap_of_a_bad_own_plan_is_what_it_costs() -> None:
     bench = Bench("circle", 40)
     bad = bench.targets.copy()
     bad[:, 0] += 0.1  # alone too fast

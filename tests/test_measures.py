@@ -1,6 +1,10 @@
 """Measures: zero in perfect formation, blind to a rigid motion of the whole scene, and the paper's own formulas."""
 
+# mypy: disable-error-code="call-arg"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,14 +42,14 @@ def moved(poses: FloatArray, angle: float, dx: float, dy: float) -> FloatArray:
     return np.concatenate([places, poses[..., 2:] + angle], axis=-1)
 
 
-def test_wrapped_angles_are_within_half_a_turn():
+def test_wrapped_angles_are_within_half_a_turn() -> None:
     angles = np.array([0.0, 3.0, -3.0, 4.0, -4.0, 2 * math.pi, 7 * math.pi / 2])
     expected = [0.0, 3.0, -3.0, 4.0 - 2 * math.pi, 2 * math.pi - 4.0, 0.0, -math.pi / 2]
     np.testing.assert_allclose(wrapped(angles), expected, atol=1e-12)
 
 
 @given(OFFSETS, PLACE, PLACE, ANGLE)
-def test_errors_vanish_in_perfect_formation(offsets, x, y, theta):
+def test_errors_vanish_in_perfect_formation(offsets: Any, x: Any, y: Any, theta: Any) -> None:
     poses = placed(offsets, x, y, theta)
     distance, angle = pattern_errors(poses, pattern(offsets), np.array(theta))
     np.testing.assert_allclose(distance, 0.0, atol=1e-12)
@@ -53,14 +57,14 @@ def test_errors_vanish_in_perfect_formation(offsets, x, y, theta):
     assert tracking_error(poses, np.array([x, y])) == pytest.approx(0.0, abs=1e-12)
     p = pattern(offsets)
     for i in range(len(offsets)):
-        z = error_state(
-            poses[i], poses[i - 1], np.array([x, y, theta]), p.distance[i], theta + p.angle[i], p.centre[i]
-        )
+        z = error_state(poses[i], poses[i - 1], np.array([x, y, theta]), p.distance[i], theta + p.angle[i], p.centre[i])
         np.testing.assert_allclose(z, 0.0, atol=1e-12)
 
 
 @given(OFFSETS, st.data(), ANGLE, PLACE, PLACE)
-def test_pattern_errors_do_not_change_under_a_rigid_motion_of_the_whole_scene(offsets, data, angle, dx, dy):
+def test_pattern_errors_do_not_change_under_a_rigid_motion_of_the_whole_scene(
+    offsets: Any, data: Any, angle: Any, dx: Any, dy: Any
+) -> None:
     seed = data.draw(st.integers(0, 2**32))
     theta_r = data.draw(ANGLE)
     noise = np.random.default_rng(seed).normal(0.0, 0.01, (len(offsets), 3))
@@ -77,7 +81,9 @@ def test_pattern_errors_do_not_change_under_a_rigid_motion_of_the_whole_scene(of
 
 
 @given(two_poses(), PLACE, PLACE, ANGLE, ANGLE, PLACE, PLACE)
-def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene(pair, x, y, theta, angle, dx, dy):
+def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene(  # noqa: PLR0917
+    pair: Any, x: Any, y: Any, theta: Any, angle: Any, dx: Any, dy: Any
+) -> None:
     own, other = pair
     reference, centre = np.array([x, y, theta]), np.array([0.03, -0.01])
     here = error_state(own, other, reference, 0.1, theta + 0.4, centre)
@@ -89,7 +95,9 @@ def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene
 
 
 @given(two_poses(), PLACE, PLACE, ANGLE, ANGLE, st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
-def test_the_error_state_is_that_of_section_2_1(pair, x_r, y_r, theta_r, psi_r, p_x, p_y):
+def test_the_error_state_is_that_of_section_2_1(  # noqa: PLR0917
+    pair: Any, x_r: Any, y_r: Any, theta_r: Any, psi_r: Any, p_x: Any, p_y: Any
+) -> None:
     (x_i, y_i, theta_i), (x_u, y_u, theta_u) = pair
     z = error_state(*pair, np.array([x_r, y_r, theta_r]), 0.1, psi_r, np.array([p_x, p_y]))
     # As printed below eq. (2).
@@ -107,7 +115,7 @@ def test_the_error_state_is_that_of_section_2_1(pair, x_r, y_r, theta_r, psi_r, 
 
 
 @given(two_poses(), PLACE, PLACE, ANGLE, ANGLE)
-def test_the_compiled_error_state_is_the_same(pair, x_r, y_r, theta_r, psi_r):
+def test_the_compiled_error_state_is_the_same(pair: Any, x_r: Any, y_r: Any, theta_r: Any, psi_r: Any) -> None:
     centre, z = np.array([0.02, -0.03]), np.empty(5)
     paper_kernel.error_state(*pair, np.array([x_r, y_r, theta_r, 0.1, 0.0]), 0.1, psi_r, centre, z)
     gap = z - error_state(*pair, np.array([x_r, y_r, theta_r]), 0.1, psi_r, centre)
@@ -116,7 +124,7 @@ def test_the_compiled_error_state_is_the_same(pair, x_r, y_r, theta_r, psi_r):
 
 
 @given(two_poses(), ANGLE)
-def test_pattern_errors_are_the_last_two_of_the_error_state(pair, theta):
+def test_pattern_errors_are_the_last_two_of_the_error_state(pair: Any, theta: Any) -> None:
     offsets = line(2, 0.1)
     p = pattern(offsets)
     distance, angle = pattern_errors(np.array(pair), p, np.array(theta))
@@ -128,7 +136,7 @@ def test_pattern_errors_are_the_last_two_of_the_error_state(pair, theta):
         assert abs(math.remainder(angle[i] - z[4], 2 * math.pi)) < 1e-9
 
 
-def test_a_known_displacement_gives_known_errors():
+def test_a_known_displacement_gives_known_errors() -> None:
     offsets = line(2, 0.1)  # robot 2 stands left of robot 1
     poses = placed(offsets, 0.0, 0.0, 0.0)
     poses[1, 1] += 0.02  # 2 cm further left: both see 2 cm too much
@@ -143,7 +151,7 @@ def test_a_known_displacement_gives_known_errors():
     np.testing.assert_allclose(angle, -math.pi / 4, atol=1e-12)
 
 
-def test_many_times_are_measured_at_once_as_one_by_one():
+def test_many_times_are_measured_at_once_as_one_by_one() -> None:
     generator = np.random.default_rng(4)
     offsets = polygon(3, 0.1)
     poses, theta = generator.normal(size=(7, 3, 3)), generator.normal(size=7)

@@ -1,6 +1,10 @@
-"""Patterns: derived from offsets alone, equal to the paper's parameters in the paper's cases (errata 6 and 7 mended)."""
+"""Patterns: derived from offsets alone, and the paper's parameters in its own cases (errata 6 and 7 mended)."""
+
+# mypy: disable-error-code="arg-type, no-any-return"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,14 +44,14 @@ def angle_gap(a: FloatArray, b: FloatArray | float) -> float:
     return float(np.abs(np.angle(np.exp(1j * (np.asarray(a) - b)))).max())
 
 
-def test_the_rings_are_those_of_figure_1():
+def test_the_rings_are_those_of_figure_1() -> None:
     assert [upstream(i, 2) for i in (1, 2)] == [2, 1]
     assert [upstream(i, 3) for i in (1, 2, 3)] == [3, 1, 2]
     assert [upstream(i, 4) for i in (1, 2, 3, 4)] == [4, 1, 2, 3]
 
 
 @given(st.integers(2, 64), st.data())
-def test_upstream_and_downstream_undo_each_other_and_the_ring_is_one_cycle(n, data):
+def test_upstream_and_downstream_undo_each_other_and_the_ring_is_one_cycle(n: Any, data: Any) -> None:
     robot = data.draw(st.integers(1, n))
     assert upstream(downstream(robot, n), n) == robot == downstream(upstream(robot, n), n)
     seen = [robot]
@@ -57,7 +61,7 @@ def test_upstream_and_downstream_undo_each_other_and_the_ring_is_one_cycle(n, da
 
 
 @pytest.mark.parametrize(("shape", "n"), CASES)
-def test_offsets_have_mean_zero_and_no_two_robots_stand_in_one_place(shape, n):
+def test_offsets_have_mean_zero_and_no_two_robots_stand_in_one_place(shape: Any, n: Any) -> None:
     offsets = SHAPES[shape](n, 0.1)
     assert offsets.shape == (n, 2)
     np.testing.assert_allclose(offsets.mean(axis=0), 0.0, atol=1e-12)
@@ -66,12 +70,12 @@ def test_offsets_have_mean_zero_and_no_two_robots_stand_in_one_place(shape, n):
 
 
 @pytest.mark.parametrize(("shape", "n"), CASES)
-def test_neighbours_stand_at_the_spacing(shape, n):
+def test_neighbours_stand_at_the_spacing(shape: Any, n: Any) -> None:
     gaps = np.hypot(*np.diff(SHAPES[shape](n, 0.25), axis=0).T)
     np.testing.assert_allclose(gaps, 0.25, atol=1e-12)
 
 
-def test_the_shapes_look_as_their_names_say():
+def test_the_shapes_look_as_their_names_say() -> None:
     across = line(3, 0.1)
     np.testing.assert_allclose(across, [[0, -0.1], [0, 0], [0, 0.1]], atol=1e-15)
     np.testing.assert_allclose(column(3, 0.1), [[0.1, 0], [0, 0], [-0.1, 0]], atol=1e-15)
@@ -86,7 +90,7 @@ def test_the_shapes_look_as_their_names_say():
 
 
 @given(any_offsets())
-def test_the_pattern_leads_from_a_robot_to_its_upstream_neighbour(offsets):
+def test_the_pattern_leads_from_a_robot_to_its_upstream_neighbour(offsets: Any) -> None:
     """p_-i - p_i = l (-sin psi, cos psi), section 1 of the theory."""
     p = pattern(offsets)
     edge = p.distance[:, None] * np.stack([-np.sin(p.angle), np.cos(p.angle)], axis=1)
@@ -96,14 +100,14 @@ def test_the_pattern_leads_from_a_robot_to_its_upstream_neighbour(offsets):
 
 
 @given(any_offsets())
-def test_every_pair_infers_the_same_centre(offsets):
+def test_every_pair_infers_the_same_centre(offsets: Any) -> None:
     p = pattern(offsets)
     middles = (offsets + np.roll(offsets, 1, axis=0)) / 2
     np.testing.assert_allclose(middles + rotate(p.angle, p.centre), 0.0, atol=1e-12)
 
 
 @given(any_offsets(), st.floats(-math.pi, math.pi))
-def test_turning_the_formation_turns_the_angles_and_nothing_else(offsets, angle):
+def test_turning_the_formation_turns_the_angles_and_nothing_else(offsets: Any, angle: Any) -> None:
     before, after = pattern(offsets), pattern(rotate(np.array(angle), offsets))
     np.testing.assert_allclose(after.distance, before.distance, atol=1e-12)
     np.testing.assert_allclose(after.centre, before.centre, atol=1e-12)
@@ -111,13 +115,13 @@ def test_turning_the_formation_turns_the_angles_and_nothing_else(offsets, angle)
 
 
 @given(any_offsets(), st.integers(1, 7))
-def test_renumbering_along_the_ring_renumbers_the_pattern(offsets, turn):
+def test_renumbering_along_the_ring_renumbers_the_pattern(offsets: Any, turn: Any) -> None:
     before, after = pattern(offsets), pattern(np.roll(offsets, turn, axis=0))
     for field in ("distance", "angle", "centre"):
         np.testing.assert_array_equal(getattr(after, field), np.roll(getattr(before, field), turn, axis=0))
 
 
-def test_two_robots_in_line_have_the_parameters_of_the_first_test():
+def test_two_robots_in_line_have_the_parameters_of_the_first_test() -> None:
     """q_r^1 = (0.1, theta_r), q_r^2 = (0.1, theta_r + pi) with erratum 7 mended, and p_v = 0."""
     p = pattern(line(2, 0.1))
     np.testing.assert_allclose(p.distance, 0.1, atol=1e-15)
@@ -125,7 +129,7 @@ def test_two_robots_in_line_have_the_parameters_of_the_first_test():
     np.testing.assert_allclose(p.centre, 0.0, atol=1e-15)
 
 
-def test_the_triangle_has_the_parameters_of_the_second_test():
+def test_the_triangle_has_the_parameters_of_the_second_test() -> None:
     """l_r = 0.1 and p_v = (sqrt(3)/6 l, 0) for all three pairs, erratum 6 mended."""
     p = pattern(polygon(3, 0.1))
     np.testing.assert_allclose(p.distance, 0.1, atol=1e-15)
@@ -134,7 +138,7 @@ def test_the_triangle_has_the_parameters_of_the_second_test():
     assert angle_gap(np.diff(p.angle), 2 * math.pi / 3) < 1e-12
 
 
-def test_patterns_are_read_only():
+def test_patterns_are_read_only() -> None:
     p = pattern(line(2, 0.1))
     for array in (p.distance, p.angle, p.centre):
         with pytest.raises(ValueError, match="read-only"):
@@ -142,7 +146,7 @@ def test_patterns_are_read_only():
 
 
 @given(st.floats(-7, 7), st.floats(-7, 7))
-def test_rotations_add_and_keep_lengths(a, b):
+def test_rotations_add_and_keep_lengths(a: Any, b: Any) -> None:
     vectors = np.array([[1.0, 0.0], [0.3, -2.0]])
     np.testing.assert_allclose(
         rotate(np.array(a), rotate(np.array(b), vectors)), rotate(np.array(a + b), vectors), atol=1e-12

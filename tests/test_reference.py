@@ -1,6 +1,10 @@
 """Feasible references: every slot is where the offsets say, and its inputs take it there."""
 
+# mypy: disable-error-code="arg-type, call-arg"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +25,7 @@ def flown(name: str, *settings: str) -> tuple[Scenario, Block]:
 
 
 @pytest.mark.parametrize("name", SMOOTH)
-def test_an_input_takes_a_slot_to_its_next_pose_within_a_micrometre(name):
+def test_an_input_takes_a_slot_to_its_next_pose_within_a_micrometre(name: Any) -> None:
     scenario, block = flown(name)
     dt, stride = scenario.controller.prediction_interval, scenario.stride
     checked = 0
@@ -36,7 +40,7 @@ def test_an_input_takes_a_slot_to_its_next_pose_within_a_micrometre(name):
     assert checked == BLOCK_TICKS // 25 * scenario.size
 
 
-def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon():
+def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon() -> None:
     scenario, block = flown("circle")
     for row in (0, 700):
         x, y, theta = block.slots[row, 0]
@@ -49,7 +53,7 @@ def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon():
 
 
 @pytest.mark.parametrize("name", [*SMOOTH, "spiral", "square-figure8", "triangle-corner"])
-def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name):
+def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name: Any) -> None:
     scenario, block = flown(name)
     distance, angle = pattern_errors(block.slots, scenario.pattern, block.centre[:, 2])
     assert np.abs(distance).max() < 1e-12
@@ -58,7 +62,7 @@ def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name):
 
 
 @pytest.mark.parametrize("name", SMOOTH)
-def test_a_slot_points_where_it_goes(name):
+def test_a_slot_points_where_it_goes(name: Any) -> None:
     _, block = flown(name)
     t = slice(1, 1500)
     velocity = (block.slots[2:1501, :, :2] - block.slots[:1499, :, :2]) / 0.02
@@ -71,7 +75,7 @@ def test_a_slot_points_where_it_goes(name):
     assert np.median(np.abs(across / along)) < 1e-3
 
 
-def test_the_centre_is_sampled_as_the_paper_does():
+def test_the_centre_is_sampled_as_the_paper_does() -> None:
     scenario, block = flown("figure8")
     t = np.arange(500) * 0.01
     p, later = scenario.path.position(t), scenario.path.position(t + 0.1)
@@ -83,13 +87,13 @@ def test_the_centre_is_sampled_as_the_paper_does():
     np.testing.assert_allclose(c[:, 4], wrapped(theta_later - theta) / 0.1, atol=1e-7)
 
 
-def test_slots_stand_at_the_offsets_turned_by_the_paths_heading():
+def test_slots_stand_at_the_offsets_turned_by_the_paths_heading() -> None:
     scenario, block = flown("hexagon-sinusoid")
     expected = block.centre[:, None, :2] + rotate(block.centre[:, 2][:, None], scenario.formation.array)
     np.testing.assert_allclose(block.slots[..., :2], expected, atol=1e-12)
 
 
-def test_the_outer_robot_goes_faster_and_the_inner_slower():
+def test_the_outer_robot_goes_faster_and_the_inner_slower() -> None:
     scenario, block = flown("circle")  # 0.8 m at 0.05 rad/s, counter-clockwise: robot 1 stands right, outside
     outer, inner = block.inputs[100, :, 0]
     assert outer == pytest.approx(0.05 * 0.85, rel=1e-3)
@@ -98,7 +102,7 @@ def test_the_outer_robot_goes_faster_and_the_inner_slower():
     assert scenario.formation.array[0, 1] < 0
 
 
-def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_nose_ahead():
+def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_nose_ahead() -> None:
     scenario, block = flown("circle", "path.radius=0.05", "formation.spacing=0.3")  # the inner offset is 0.15 m
     outer, inner = block.inputs[100, :, 0]
     assert outer == pytest.approx(0.05 * 0.2, rel=0.02)
@@ -109,7 +113,7 @@ def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_nose_ahead():
 
 
 @pytest.mark.parametrize("name", ["circle", "triangle-corner", "ring-16"])
-def test_a_row_does_not_depend_on_the_block_it_stands_in(name):
+def test_a_row_does_not_depend_on_the_block_it_stands_in(name: Any) -> None:
     scenario = load(name)
     first, second = scenario.reference().block(0), scenario.reference().block(BLOCK_TICKS)
     assert (first.first, second.first) == (0, BLOCK_TICKS)
@@ -121,7 +125,7 @@ def test_a_row_does_not_depend_on_the_block_it_stands_in(name):
         np.testing.assert_array_equal(a, b)
 
 
-def test_a_block_holds_every_tick_to_the_end_of_the_horizon():
+def test_a_block_holds_every_tick_to_the_end_of_the_horizon() -> None:
     scenario = load("figure8")
     reference = scenario.reference()
     for k in (0, 1, BLOCK_TICKS - 1, BLOCK_TICKS, 5 * BLOCK_TICKS + 77):
@@ -131,13 +135,13 @@ def test_a_block_holds_every_tick_to_the_end_of_the_horizon():
         assert len(block.slots) == len(block.inputs) == len(block.centre)
 
 
-def test_a_block_is_made_once():
+def test_a_block_is_made_once() -> None:
     reference = load("figure8").reference()
     assert reference.block(3) is reference.block(1999)
     assert reference.block(3) is not reference.block(2000)
 
 
-def test_the_reference_of_some_robots_has_their_columns():
+def test_the_reference_of_some_robots_has_their_columns() -> None:
     scenario = load("hexagon-sinusoid")
     whole, some = scenario.reference().block(0), scenario.reference([5, 4]).block(0)
     np.testing.assert_array_equal(some.slots, whole.slots[:, [4, 3]])
@@ -145,7 +149,7 @@ def test_the_reference_of_some_robots_has_their_columns():
     np.testing.assert_array_equal(some.centre, whole.centre)
 
 
-def test_other_intervals_are_obeyed():
+def test_other_intervals_are_obeyed() -> None:
     scenario = load("circle", ["control_interval=0.02", "controller.prediction_interval=0.2", "controller.horizon=5"])
     assert isinstance(scenario.reference(), Reference)
     block = scenario.reference().block(0)

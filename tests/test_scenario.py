@@ -22,7 +22,7 @@ NAMES = [
     "triangle-circle",
     "triangle-corner",
 ]
-SMALL = {"name": "small", "path": {"kind": "circle"}, "formation": {"shape": "triangle"}}
+SMALL: dict[str, Any] = {"name": "small", "path": {"kind": "circle"}, "formation": {"shape": "triangle"}}
 
 
 def lines(raw: dict[str, Any], *settings_: str) -> list[str]:
@@ -32,12 +32,12 @@ def lines(raw: dict[str, Any], *settings_: str) -> list[str]:
     return str(caught.value).split("\n")
 
 
-def test_the_shipped_scenarios_are_those_of_issue_2():
+def test_the_shipped_scenarios_are_those_of_issue_2() -> None:
     assert shipped() == NAMES
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_shipped_scenario_loads_and_has_its_files_name(name):
+def test_a_shipped_scenario_loads_and_has_its_files_name(name: Any) -> None:
     scenario = load(name)
     assert scenario.name == name
     assert scenario.source
@@ -47,7 +47,7 @@ def test_a_shipped_scenario_loads_and_has_its_files_name(name):
     assert scenario.start_poses().shape == (scenario.size, 3)
 
 
-def test_the_shipped_scenarios_fly_what_their_names_say():
+def test_the_shipped_scenarios_fly_what_their_names_say() -> None:
     expected = {
         "circle": ("circle", 2),
         "figure8": ("figure8", 2),
@@ -73,17 +73,17 @@ def test_the_shipped_scenarios_fly_what_their_names_say():
         ("triangle-circle", [[0.8, 0.065, 1.5], [0.75, -0.05, 1.5], [0.85, -0.05, 1.5]]),
     ],
 )
-def test_the_start_poses_are_those_that_the_paper_gives(name, poses):
+def test_the_start_poses_are_those_that_the_paper_gives(name: Any, poses: Any) -> None:
     np.testing.assert_allclose(load(name).start_poses(), poses, atol=1e-15)
 
 
 @pytest.mark.parametrize("name", ["circle", "sinusoid", "spiral", "square-figure8", "hexagon-sinusoid"])
-def test_where_the_paper_gives_no_poses_the_robots_start_in_formation(name):
+def test_where_the_paper_gives_no_poses_the_robots_start_in_formation(name: Any) -> None:
     scenario = load(name)
     np.testing.assert_array_equal(scenario.start_poses(), scenario.reference().block(0).slots[0])
 
 
-def test_the_numbering_of_the_papers_triangles_is_that_of_the_formation():
+def test_the_numbering_of_the_papers_triangles_is_that_of_the_formation() -> None:
     # Robot 1 in front, 2 left, 3 right, as the paper's start poses have it.
     offsets = load("triangle-corner").formation.array
     assert offsets[0, 0] > 0
@@ -93,7 +93,7 @@ def test_the_numbering_of_the_papers_triangles_is_that_of_the_formation():
 # ---------------------------------------------------------------- start noise
 
 
-def test_start_noise_depends_on_the_seed_and_on_nothing_else():
+def test_start_noise_depends_on_the_seed_and_on_nothing_else() -> None:
     noisy = ["robots.start_noise.position=0.02", "robots.start_noise.heading=0.1"]
 
     def noise(name: str, *settings_: str) -> np.ndarray:
@@ -107,7 +107,7 @@ def test_start_noise_depends_on_the_seed_and_on_nothing_else():
     assert np.abs(noise("triangle-circle", "seed=1") - once).min() > 0
 
 
-def test_start_noise_has_the_standard_deviations_asked_for():
+def test_start_noise_has_the_standard_deviations_asked_for() -> None:
     raw = {
         **SMALL,
         "formation": {"shape": "line", "robots": 64},
@@ -146,12 +146,12 @@ def test_start_noise_has_the_standard_deviations_asked_for():
         ("source=a=b", lambda s: s.source == "a=b"),
     ],
 )
-def test_a_setting_reaches_any_key_by_its_path(setting, value):
+def test_a_setting_reaches_any_key_by_its_path(setting: Any, value: Any) -> None:
     assert not value(load("triangle-circle"))
     assert value(load("triangle-circle", [setting]))
 
 
-def test_later_settings_win_and_the_raw_table_is_left_alone():
+def test_later_settings_win_and_the_raw_table_is_left_alone() -> None:
     raw = read("triangle-circle")
     before = repr(raw)
     assert parse(raw, ["seed=1", "seed=2", "path.radius=2"]).seed == 2
@@ -171,7 +171,7 @@ def test_later_settings_win_and_the_raw_table_is_left_alone():
         ("path.radius=big", ["path.radius", "'big'"]),
     ],
 )
-def test_a_wrong_setting_is_told_in_a_line(setting, words):
+def test_a_wrong_setting_is_told_in_a_line(setting: Any, words: Any) -> None:
     text = "\n".join(lines(read("triangle-circle"), setting))
     assert "\n" not in text
     for word in words:
@@ -180,7 +180,7 @@ def test_a_wrong_setting_is_told_in_a_line(setting, words):
 
 # ---------------------------------------------------------------- mistakes
 
-MISTAKES = {
+MISTAKES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "unknown key at the top": ({"pth": {}}, ["pth: unknown key", "path"]),
     "no name": ({"name": None}, ["name"]),
     "a name that is no file name": ({"name": "../x"}, ["name"]),
@@ -233,7 +233,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_mistake_is_told_in_one_line_with_its_key_and_the_choices(mistake):
+def test_a_mistake_is_told_in_one_line_with_its_key_and_the_choices(mistake: Any) -> None:
     change, words = MISTAKES[mistake]
     raw = {key: value for key, value in {**SMALL, **change}.items() if value is not None}
     told = lines(raw)
@@ -243,14 +243,14 @@ def test_a_mistake_is_told_in_one_line_with_its_key_and_the_choices(mistake):
         assert word in told[0], told[0]
 
 
-def test_every_mistake_gets_a_line_of_its_own():
+def test_every_mistake_gets_a_line_of_its_own() -> None:
     told = lines({**SMALL, "seed": -1, "nam": 1, "noise": {"slip": -1, "giro": 2}, "link": {"loss": 2}})
     assert len(told) == 5
     for key in ("seed", "nam", "noise.slip", "noise.giro", "link.loss"):
         assert sum(f"small: {key}:" in line for line in told) == 1
 
 
-def test_an_empty_file_is_told_what_it_lacks():
+def test_an_empty_file_is_told_what_it_lacks() -> None:
     told = lines({})
     assert [line.split(":")[1].strip() for line in told] == ["name", "path", "formation"]
 
@@ -266,11 +266,12 @@ ANYTHING = (
 
 @given(st.dictionaries(st.sampled_from(list(Scenario.model_fields)), ANYTHING, max_size=4))
 @settings(max_examples=60)
-def test_any_table_is_a_scenario_or_a_scenario_error(raw):
+def test_any_table_is_a_scenario_or_a_scenario_error(raw: Any) -> None:
     try:
         scenario = parse({**SMALL, **raw})
     except ScenarioError as error:
-        assert all(line.startswith("scenario: ") for line in str(error).split("\n"))
+        told = str(error).split("\n")
+        assert all(line.startswith("scenario: ") for line in told)
     else:
         assert isinstance(scenario, Scenario)
 
@@ -278,20 +279,20 @@ def test_any_table_is_a_scenario_or_a_scenario_error(raw):
 # ---------------------------------------------------------------- files
 
 
-def test_an_unknown_name_lists_the_scenarios_and_the_nearest():
+def test_an_unknown_name_lists_the_scenarios_and_the_nearest() -> None:
     with pytest.raises(ScenarioError, match=r"figure8.*spiral.*did you mean circle\?") as caught:
         load("cirle")
     assert "\n" not in str(caught.value)
 
 
-def test_a_file_is_found_by_its_path(tmp_path):
+def test_a_file_is_found_by_its_path(tmp_path: Any) -> None:
     file = tmp_path / "own.toml"
     file.write_text('name = "own"\n[path]\nkind = "line"\n[formation]\nshape = "wedge"\nrobots = 5\n', encoding="utf-8")
     assert load(str(file)).size == 5
 
 
 @pytest.mark.parametrize("content", [b"name = ", b"\xff\xfe", b"[path\n"])
-def test_a_file_that_is_not_toml_is_told_in_a_line(tmp_path, content):
+def test_a_file_that_is_not_toml_is_told_in_a_line(tmp_path: Any, content: Any) -> None:
     file = tmp_path / "own.toml"
     file.write_bytes(content)
     with pytest.raises(ScenarioError, match=r"own\.toml") as caught:
@@ -299,14 +300,14 @@ def test_a_file_that_is_not_toml_is_told_in_a_line(tmp_path, content):
     assert "\n" not in str(caught.value)
 
 
-def test_a_folder_or_a_missing_file_is_told_in_a_line(tmp_path):
+def test_a_folder_or_a_missing_file_is_told_in_a_line(tmp_path: Any) -> None:
     for name in (str(tmp_path) + "/", str(tmp_path / "none.toml")):
         with pytest.raises(ScenarioError) as caught:
             load(name)
         assert "\n" not in str(caught.value)
 
 
-def test_a_scenario_comes_back_from_the_json_that_the_world_sends():
+def test_a_scenario_comes_back_from_the_json_that_the_world_sends() -> None:
     for name in NAMES:
         scenario = load(name, ["link.loss=0.1", 'faults=[{at=1, link="all", preset="wifi", loss=0.2}]'])
         again = Scenario.model_validate_json(scenario.model_dump_json(exclude_unset=True))
@@ -315,7 +316,7 @@ def test_a_scenario_comes_back_from_the_json_that_the_world_sends():
         assert again.faults[0].changes() == scenario.faults[0].changes()
 
 
-def test_a_scenario_is_frozen():
+def test_a_scenario_is_frozen() -> None:
     with pytest.raises(ValueError, match="frozen"):
-        load("circle").seed = 3
+        load("circle").seed = 3  # type: ignore[misc]
     assert not load("circle").formation.array.flags.writeable

@@ -1,6 +1,10 @@
 """Laws of the spline: it goes through its points, its curvature has no jumps, and it is travelled at constant speed."""
 
+# mypy: disable-error-code="no-any-return"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,13 +28,13 @@ def waypoints(draw: st.DrawFn) -> FloatArray:
 
 
 @given(waypoints(), st.booleans())
-def test_a_curve_goes_through_its_points(points, closed):
+def test_a_curve_goes_through_its_points(points: Any, closed: Any) -> None:
     curve = Spline.through(points, closed=closed)
     np.testing.assert_allclose(curve(curve.knots[: len(points)]), points, atol=1e-12)
 
 
 @given(waypoints(), st.booleans())
-def test_the_first_two_derivatives_have_no_jumps_at_the_knots(points, closed):
+def test_the_first_two_derivatives_have_no_jumps_at_the_knots(points: Any, closed: Any) -> None:
     curve = Spline.through(points, closed=closed)
     inner = curve.knots[:-1] if closed else curve.knots[1:-1]
     h = 1e-4
@@ -47,14 +51,14 @@ def test_the_first_two_derivatives_have_no_jumps_at_the_knots(points, closed):
     np.testing.assert_allclose(left[1], right[1], atol=1e-5)
 
 
-def test_a_closed_curve_repeats():
+def test_a_closed_curve_repeats() -> None:
     curve = Spline.through(SQUARE, closed=True)
     s = np.linspace(0.0, curve.length, 50)
     np.testing.assert_allclose(curve(s + curve.length), curve(s), atol=1e-12)
     np.testing.assert_allclose(curve(s - 3 * curve.length), curve(s), atol=1e-12)
 
 
-def test_an_open_curve_goes_straight_on_past_its_ends():
+def test_an_open_curve_goes_straight_on_past_its_ends() -> None:
     curve = Spline.through(BEND, closed=False)
     for end, s in ((0.0, np.array([-3.0, -2.0, -1.0, 0.0])), (curve.length, curve.length + np.arange(4.0))):
         steps = np.diff(curve(s), axis=0)
@@ -64,7 +68,7 @@ def test_an_open_curve_goes_straight_on_past_its_ends():
         np.testing.assert_allclose(steps[0], slope, atol=1e-6)
 
 
-def test_the_ends_of_an_open_curve_have_no_curvature():
+def test_the_ends_of_an_open_curve_have_no_curvature() -> None:
     curve = Spline.through(BEND, closed=False)
     h = 1e-4
     for at, sign in ((0.0, 1.0), (curve.length, -1.0)):
@@ -73,7 +77,7 @@ def test_the_ends_of_an_open_curve_have_no_curvature():
         np.testing.assert_allclose(second, 0.0, atol=1e-5)
 
 
-def test_two_points_are_joined_by_a_straight_line():
+def test_two_points_are_joined_by_a_straight_line() -> None:
     curve = Spline.through(np.array([[0.0, 0.0], [3.0, 4.0]]), closed=False)
     assert curve.length == pytest.approx(5.0)
     s = np.linspace(-1.0, 6.0, 15)
@@ -82,14 +86,14 @@ def test_two_points_are_joined_by_a_straight_line():
 
 @given(waypoints(), st.booleans())
 @settings(max_examples=15)
-def test_by_arc_length_the_speed_is_one_but_for_sharp_bends(points, closed):
+def test_by_arc_length_the_speed_is_one_but_for_sharp_bends(points: Any, closed: Any) -> None:
     speed = speeds(Spline.through(points, closed=closed).by_arc_length())
     assert np.median(np.abs(speed - 1)) < 1e-3
     # A rough ring turns by up to 150 degrees at a point: 16 knots a segment then leave ten per cent at that point.
     assert np.abs(speed - 1).max() < 0.15
 
 
-def test_by_arc_length_the_speed_is_one_within_half_a_per_cent_on_gentle_curves():
+def test_by_arc_length_the_speed_is_one_within_half_a_per_cent_on_gentle_curves() -> None:
     around = 2 * math.pi * np.arange(8) / 8
     ellipse = np.stack([2 * np.cos(around), np.sin(around)], axis=1)
     for points, closed in ((SQUARE, True), (ellipse, True), (BEND, False)):
@@ -102,7 +106,7 @@ def speeds(curve: Spline) -> FloatArray:
     return np.hypot(*np.diff(curve(s), axis=0).T) / np.diff(s)
 
 
-def test_reparametrising_does_not_change_the_curve():
+def test_reparametrising_does_not_change_the_curve() -> None:
     for points in (SQUARE, 0.3 * SQUARE[::-1], BEND):
         before = Spline.through(points, closed=len(points) == 4 and points is not BEND)
         after = before.by_arc_length()
@@ -112,7 +116,7 @@ def test_reparametrising_does_not_change_the_curve():
             assert np.hypot(*(cloud - p).T).min() < 1.5e-3
 
 
-def test_a_fine_polygon_of_a_circle_has_its_length():
+def test_a_fine_polygon_of_a_circle_has_its_length() -> None:
     around = 2 * math.pi * np.arange(24) / 24
     curve = Spline.through(np.stack([np.cos(around), np.sin(around)], axis=1), closed=True).by_arc_length()
     assert curve.length == pytest.approx(2 * math.pi, rel=1e-4)

@@ -1,6 +1,10 @@
 """Laws of the motion of one robot: it is what a fine integration gives, it composes, and it can be undone."""
 
+# mypy: disable-error-code="call-arg"
+# (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
+
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -20,7 +24,7 @@ def near(a: tuple[float, ...], b: tuple[float, ...], tolerance: float = EXACT) -
     return all(abs(p - q) <= tolerance for p, q in zip(a, b, strict=True))
 
 
-def fine(x: float, y: float, theta: float, v: float, omega: float, dt: float, pieces: int) -> tuple[float, float]:
+def fine(x: float, y: float, theta: float, v: float, omega: float, dt: float, pieces: int) -> tuple[float, float]:  # noqa: PLR0917
     """Euler's rule, with the heading in the middle of every piece."""
     h = dt / pieces
     for n in range(pieces):
@@ -30,14 +34,14 @@ def fine(x: float, y: float, theta: float, v: float, omega: float, dt: float, pi
 
 
 @given(POSE, V, OMEGA, TIME)
-def test_a_step_is_what_a_fine_euler_integration_gives(pose, v, omega, dt):
+def test_a_step_is_what_a_fine_euler_integration_gives(pose: Any, v: Any, omega: Any, dt: Any) -> None:
     x, y, theta = step(*pose, v, omega, dt)
     # The midpoint rule's error is v omega^2 dt h^2 / 24: with 200 pieces at most 0.5 * 4 * 0.5 * 0.0025^2 / 24.
     assert near((x, y), fine(*pose, v, omega, dt, 200), 3e-7)
     assert theta == pytest.approx(pose[2] + omega * dt, abs=EXACT)
 
 
-def test_plain_euler_of_eq_1_converges_to_a_step():
+def test_plain_euler_of_eq_1_converges_to_a_step() -> None:
     x, y, theta = 0.0, 0.0, 0.3
     gaps = []
     for pieces in (100, 1000, 10_000):
@@ -51,27 +55,29 @@ def test_plain_euler_of_eq_1_converges_to_a_step():
 
 
 @given(POSE, V, OMEGA, TIME, TIME)
-def test_a_step_and_then_a_step_is_the_step_of_the_sum(pose, v, omega, first, second):
+def test_a_step_and_then_a_step_is_the_step_of_the_sum(pose: Any, v: Any, omega: Any, first: Any, second: Any) -> None:
     assert near(step(*step(*pose, v, omega, first), v, omega, second), step(*pose, v, omega, first + second))
 
 
 @given(POSE, V, OMEGA, TIME)
-def test_negative_inputs_lead_back(pose, v, omega, dt):
+def test_negative_inputs_lead_back(pose: Any, v: Any, omega: Any, dt: Any) -> None:
     assert near(step(*step(*pose, v, omega, dt), -v, -omega, dt), pose)
 
 
 @given(POSE, V, OMEGA, TIME)
-def test_negative_time_leads_back(pose, v, omega, dt):
+def test_negative_time_leads_back(pose: Any, v: Any, omega: Any, dt: Any) -> None:
     assert near(step(*step(*pose, v, omega, dt), v, omega, -dt), pose)
 
 
 @given(POSE, V, OMEGA)
-def test_no_time_changes_nothing(pose, v, omega):
+def test_no_time_changes_nothing(pose: Any, v: Any, omega: Any) -> None:
     assert step(*pose, v, omega, 0.0) == pose
 
 
 @given(POSE, V, OMEGA, TIME, st.floats(-3, 3), st.floats(-2, 2), st.floats(-2, 2))
-def test_a_step_turns_and_moves_with_the_scene(pose, v, omega, dt, angle, dx, dy):
+def test_a_step_turns_and_moves_with_the_scene(  # noqa: PLR0917
+    pose: Any, v: Any, omega: Any, dt: Any, angle: Any, dx: Any, dy: Any
+) -> None:
     def moved(p: tuple[float, float, float]) -> tuple[float, float, float]:
         c, s = math.cos(angle), math.sin(angle)
         return c * p[0] - s * p[1] + dx, s * p[0] + c * p[1] + dy, p[2] + angle
@@ -80,7 +86,7 @@ def test_a_step_turns_and_moves_with_the_scene(pose, v, omega, dt, angle, dx, dy
 
 
 @given(st.floats(0.1, 2), st.floats(-2, 2).filter(lambda w: abs(w) > 0.05))
-def test_a_full_turn_closes_a_circle_of_radius_v_over_omega(v, omega):
+def test_a_full_turn_closes_a_circle_of_radius_v_over_omega(v: Any, omega: Any) -> None:
     time = 2 * math.pi / abs(omega)
     assert near(step(0, 0, 0, v, omega, time)[:2], (0, 0), 1e-9)
     half = step(0, 0, 0, v, omega, time / 2)
@@ -88,7 +94,7 @@ def test_a_full_turn_closes_a_circle_of_radius_v_over_omega(v, omega):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_step_is_continuous_where_the_series_begins(sign):
+def test_the_step_is_continuous_where_the_series_begins(sign: Any) -> None:
     omega = sign * 2 * SMALL_TURN  # with dt = 1: half a turn of SMALL_TURN
     below, above = (step(0, 0, 0.3, 0.5, omega * factor, 1.0) for factor in (1 - 1e-9, 1 + 1e-9))
     assert near(below, above, 1e-12)
@@ -97,7 +103,7 @@ def test_the_step_is_continuous_where_the_series_begins(sign):
 
 
 @given(st.floats(-100, 100))
-def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle):
+def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle: Any) -> None:
     wrapped = wrap(angle)
     assert -math.pi <= wrapped <= math.pi
     assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-12)
@@ -105,5 +111,5 @@ def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle):
 
 
 @given(st.floats(-math.pi + 1e-9, math.pi - 1e-9), st.integers(-5, 5))
-def test_wrapping_takes_whole_turns_away(angle, turns):
+def test_wrapping_takes_whole_turns_away(angle: Any, turns: Any) -> None:
     assert wrap(angle + 2 * math.pi * turns) == pytest.approx(angle, abs=1e-13)

@@ -1,12 +1,13 @@
 """The fault panel: what is wrong with a link, as the world has it, and the means to change it."""
 
-from collections.abc import Callable, Mapping
-from time import monotonic
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import viser
 
 from dashboard import tables
+from dashboard.controls import Follower, assign, offer
 from dashboard.desk import Desk
 from formation.faults import PERFECT, PRESETS, plan_links
 from formation.pattern import downstream, upstream
@@ -15,22 +16,32 @@ from network.messages import State
 
 ALL = "All links"
 PICK = "choose…"
-HANDS_OFF_SECONDS = 0.8
-"""A control that a person just moved is not set back before the world has had time to follow."""
 FOR_SECONDS = 10.0
 
-_SLIDERS = (
-    # key, label, full scale, step, factor from the world's unit to the slider's
-    ("latency", "Latency ms", 1000.0, 10.0, 1e3),
-    ("jitter", "Jitter ms", 300.0, 5.0, 1e3),
-    ("loss", "Loss %", 100.0, 1.0, 1e2),
-    ("burst", "Burst length", 50.0, 1.0, 1.0),
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A slider for one key of a fault."""
+
+    key: str
+    label: str
+    top: float
+    step: float
+    factor: float
+    """From the world's unit to the slider's."""
+
+
+SLIDERS = (
+    Row("latency", "Latency ms", 1000.0, 10.0, 1e3),
+    Row("jitter", "Jitter ms", 300.0, 5.0, 1e3),
+    Row("loss", "Loss %", 100.0, 1.0, 1e2),
+    Row("burst", "Burst length", 50.0, 1.0, 1.0),
 )
-_MORE = (
-    ("duplicate", "Duplicate %", 100.0, 1.0, 1e2),
-    ("reorder", "Reorder %", 100.0, 1.0, 1e2),
-    ("corrupt", "Corrupt %", 100.0, 1.0, 1e2),
-    ("rate", "At most /s", 200.0, 5.0, 1.0),
+MORE = (
+    Row("duplicate", "Duplicate %", 100.0, 1.0, 1e2),
+    Row("reorder", "Reorder %", 100.0, 1.0, 1e2),
+    Row("corrupt", "Corrupt %", 100.0, 1.0, 1e2),
+    Row("rate", "At most /s", 200.0, 5.0, 1.0),
 )
 
 
@@ -40,31 +51,30 @@ class FaultPanel:
     def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         self._robots = 0
-        self._moved: dict[str, float] = {}
-        self._controls: dict[str, tuple[Any, float]] = {}
+        self._sliders: dict[str, tuple[Follower, float]] = {}
         with gui.add_folder("Communication faults"):
             self._target: Any = gui.add_dropdown("Target", (ALL,), initial_value=ALL)
             self._in_force = gui.add_html("")
             self._preset: Any = gui.add_dropdown("Preset", (PICK, *PRESETS), initial_value=PICK)
-            self._cut = gui.add_checkbox("Cut", False, hint="Nothing passes")
-            for slider in _SLIDERS:
-                self._add_slider(gui, *slider)
+            self._cut = Follower(gui.add_checkbox("Cut", False, hint="Nothing passes"))
+            for row in SLIDERS:
+                self._add_slider(gui, row)
             self._timed = gui.add_checkbox(
                 f"For {FOR_SECONDS:.0f} s", False, hint="What is set next ends by itself after so much simulated time"
             )
             self._clear = gui.add_button("Clear this target", color="gray", hint="Take back what was set on it")
             with gui.add_folder("More faults", expand_by_default=False):
-                for slider in _MORE:
-                    self._add_slider(gui, *slider)
-        self._target.on_update(lambda event: self._moved.clear())
-        self._cut.on_update(lambda event: self._set(event, "cut", bool(event.target.value)))
+                for row in MORE:
+                    self._add_slider(gui, row)
+        self._target.on_update(lambda _: self._release())
+        self._cut.control.on_update(lambda event: self._set(event, "cut", bool(event.target.value)))
         self._preset.on_update(self._use_preset)
         self._clear.on_click(lambda event: self._desk.clear(self.target, event.client_id))
 
-    def _add_slider(self, gui: viser.GuiApi, key: str, label: str, top: float, step: float, factor: float) -> None:
-        slider = gui.add_slider(label, 0.0, top, step, 0.0)
-        slider.on_update(lambda event: self._set(event, key, float(event.target.value) / factor))
-        self._controls[key] = (slider, factor)
+    def _add_slider(self, gui: viser.GuiApi, row: Row) -> None:
+        slider = gui.add_slider(row.label, 0.0, row.top, row.step, 0.0)
+        slider.on_update(lambda event: self._set(event, row.key, float(event.target.value) / row.factor))
+        self._sliders[row.key] = (Follower(slider), row.factor)
 
     # ------------------------------------------------------------------ what people do
 
@@ -77,7 +87,6 @@ class FaultPanel:
         """Choose the link with this sender, in the ring."""
         label = f"{sender} → {downstream(sender, self._robots)}"
         if label in self._target.options:
-            self._moved.clear()
             self._target.value = label
 
     def _seconds(self) -> float | None:
@@ -86,14 +95,13 @@ class FaultPanel:
     def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
         if event.client_id is None:  # the page follows the world; nobody moved it
             return
-        self._moved[key] = monotonic()
         self._desk.change(self.target, {key: value}, self._seconds(), event.client_id)
 
     def _use_preset(self, event: viser.GuiEvent[Any]) -> None:
         name = event.target.value
         if event.client_id is None or name == PICK:
             return
-        self._moved.clear()
+        self._release()
         for link in self.target:
             seconds = self._seconds()
             operation = (
@@ -108,26 +116,17 @@ class FaultPanel:
 
     def draw(self, state: State) -> None:
         """Show what the world has."""
-        if len(state.poses) != self._robots:
-            self._robots = len(state.poses)
-            chosen = self._target.value
-            options = targets(self._robots)
-            self._target.options = options
-            self._target.value = chosen if chosen in options else ALL
-        _assign(self._in_force, "content", tables.in_force(state))
+        self._robots = len(state.poses)
+        offer(self._target, targets(self._robots))
+        assign(self._in_force, "content", tables.in_force(state))
         fault = worst(state.faults, self.target, self._robots)
-        self._follow("cut", self._cut, bool(fault["cut"]))
-        for key, (slider, factor) in self._controls.items():
-            self._follow(key, slider, min(round(factor * float(fault[key]), 6), slider.max))
+        self._cut.follow(bool(fault["cut"]))
+        for key, (slider, factor) in self._sliders.items():
+            slider.follow(min(round(factor * float(fault[key]), 6), slider.control.max))
 
-    def _follow(self, key: str, control: Any, value: float | bool) -> None:
-        if control.value != value and monotonic() - self._moved.get(key, 0.0) > HANDS_OFF_SECONDS:
-            control.value = value
-
-
-def _assign(handle: Any, name: str, value: object) -> None:
-    if getattr(handle, name) != value:
-        setattr(handle, name, value)
+    def _release(self) -> None:
+        for follower in (self._cut, *(slider for slider, _ in self._sliders.values())):
+            follower.release()
 
 
 def targets(robots: int) -> tuple[str, ...]:
@@ -152,5 +151,5 @@ def worst(faults: Mapping[str, Mapping[str, Any]], target: tuple[str, ...], robo
     """The largest value of every key over the chosen links."""
     links = plan_links(robots) if target == ("all",) else target
     shown = [PERFECT.model_dump() | dict(faults.get(link, {})) for link in links]
-    perfect: Callable[[str], Any] = lambda key: max(fault[key] for fault in shown)  # noqa: E731
-    return {key: perfect(key) for key in ("cut", *(row[0] for row in (*_SLIDERS, *_MORE)))}
+    keys = ("cut", *(row.key for row in (*SLIDERS, *MORE)))
+    return {key: max(fault[key] for fault in shown) for key in keys}

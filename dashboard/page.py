@@ -9,6 +9,7 @@ import viser
 
 from dashboard import tables
 from dashboard.cameras import Cameras
+from dashboard.controls import offer
 from dashboard.desk import Desk
 from dashboard.faults import FaultPanel
 from dashboard.feed import Feed, Seen
@@ -18,6 +19,7 @@ from dashboard.notices import Notices
 from dashboard.plots import FIRST, SECOND, Plots
 from dashboard.run import RunPanel
 from dashboard.scene import LAYERS, Scene
+from dashboard.words import legend
 from network.lifetime import Lifetime
 from network.session import Session
 
@@ -80,7 +82,7 @@ class Page:
         with gui.add_folder("View"):
             camera = gui.add_button_group("Camera", ("Fit", "3D", "Follow"))
             self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
-            gui.add_html(tables.legend())
+            gui.add_html(legend())
             with gui.add_folder("Layers", expand_by_default=False):
                 for name in LAYERS:
                     box = gui.add_checkbox(name, True)
@@ -170,9 +172,7 @@ class Page:
         if seen.state is not None:
             self._faults.draw(seen.state)
             options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
-            if self._focus.options != options:
-                self._focus.options = options
-                self._focus.value, self._scene.focus = NOBODY, None
+            offer(self._focus, options)
         self._notices.compare(seen, views)
 
 

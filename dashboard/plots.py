@@ -7,10 +7,11 @@ import numpy as np
 import viser
 import viser.uplot as up
 
-from dashboard import tables
 from dashboard.history import History
 from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS
+from dashboard.summary import TRACKING_LIMIT
+from dashboard.words import plot_title
 
 SKY, VIOLET, PINK, CYAN, MEAN = "#56b4e9", "#b284ff", "#ff79c6", "#40d6d6", "#8b94a5"
 NEAR_LIMIT = 0.4
@@ -56,7 +57,7 @@ SECOND = (
         "mm",
         (("tracking", "centre to path", PINK),),
         floor=0.1,
-        limit=1e3 * tables.TRACKING_LIMIT,
+        limit=1e3 * TRACKING_LIMIT,
     ),
 )
 
@@ -69,7 +70,7 @@ class Plots:
         self._handles = [self._add(gui, plot) for plot in plots]
 
     def _add(self, gui: viser.GuiApi, plot: Plot) -> Any:
-        gui.add_html(tables.plot_title(plot.name, plot.unit, tuple((text, colour) for _, text, colour in plot.columns)))
+        gui.add_html(plot_title(plot.name, plot.unit, tuple((colour, text) for _, text, colour in plot.columns)))
         lines = [
             up.Series(label=text, stroke=colour, width=1.6, points={"show": False}) for _, text, colour in plot.columns
         ]

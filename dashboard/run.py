@@ -4,10 +4,11 @@ from typing import Any, get_args
 
 import viser
 
-from dashboard import tables
+from dashboard.controls import Follower, assign
 from dashboard.desk import Desk
 from dashboard.feed import Seen
 from dashboard.links import LinkView
+from dashboard.summary import head
 from formation.scenario import ControllerName, shipped
 from network.control import Clear, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
 from network.messages import State
@@ -33,14 +34,16 @@ class RunPanel:
         self._head = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
-        self._scenario = gui.add_dropdown("Scenario", tuple(shipped()))
-        self._controller = gui.add_dropdown("Controller", get_args(ControllerName))
-        self._speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time")
+        self._scenario = Follower(gui.add_dropdown("Scenario", tuple(shipped())))
+        self._controller = Follower(gui.add_dropdown("Controller", get_args(ControllerName)))
+        self._speed = Follower(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
-        self._scenario.on_update(lambda event: self._person(event, lambda name: UseScenario(scenario=name)))
-        self._controller.on_update(lambda event: self._person(event, lambda name: UseController(controller=name)))
-        self._speed.on_update(lambda event: self._person(event, lambda name: Speed(speed=_speed(name))))
+        self._scenario.control.on_update(lambda event: self._person(event, lambda name: UseScenario(scenario=name)))
+        self._controller.control.on_update(
+            lambda event: self._person(event, lambda name: UseController(controller=name))
+        )
+        self._speed.control.on_update(lambda event: self._person(event, lambda name: Speed(speed=_speed(name))))
         self._add_commands(gui)
 
     def _add_commands(self, gui: viser.GuiApi) -> None:
@@ -65,14 +68,15 @@ class RunPanel:
             self._desk.ask(operations[name], page)
 
     def _person(self, event: viser.GuiEvent[Any], operation: Any) -> None:
-        if event.client_id is not None:
+        # A page may send anything; a scenario by its path must not be read for it.
+        if event.client_id is not None and event.target.value in event.target.options:
             self._desk.ask(operation(event.target.value), event.client_id)
 
     # ------------------------------------------------------------------ what the world says
 
     def draw(self, seen: Seen, links: list[LinkView]) -> None:
         """Show how the run is."""
-        _set(self._head, "content", tables.head(seen, links))
+        assign(self._head, "content", head(seen, links))
         state = seen.state
         if state is None:
             return
@@ -103,14 +107,8 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
-def _set(handle: Any, name: str, value: object) -> None:
-    if getattr(handle, name) != value:
-        setattr(handle, name, value)
-
-
-def _choose(dropdown: Any, value: str) -> None:
+def _choose(dropdown: Follower, value: str) -> None:
     """Show this value, also if it is not one of the shipped ones."""
-    if value not in dropdown.options:
-        dropdown.options = (*dropdown.options, value)
-    if dropdown.value != value:
-        dropdown.value = value
+    if value not in dropdown.control.options:
+        dropdown.control.options = (*dropdown.control.options, value)
+    dropdown.follow(value)

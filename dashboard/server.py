@@ -34,7 +34,8 @@ def check_host(host: str) -> None:
     """
     if host not in LOOPBACK and os.environ.get(IN_CONTAINER) != "1":
         raise EchelonError(
-            f"--host: expected one of {', '.join(LOOPBACK)} (anybody who reaches the page controls the run); got {host!r}. "
+            f"--host: expected one of {', '.join(LOOPBACK)}, because anybody who reaches the page controls the run; "
+            f"got {host!r}. "
             "From another machine, tunnel to it: ssh -L 8090:127.0.0.1:8090 HOST"
         )
 

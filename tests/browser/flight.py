@@ -5,8 +5,14 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import IO, Self
+
+from network import keys
+from network.codec import decode
+from network.messages import State
+from network.session import Sample, Session
 
 ROOT = Path(__file__).parents[2]
 RUN = "browser"
@@ -20,10 +26,18 @@ class Flight:
         self.endpoint = f"unixsock-stream/{self._folder.name}/router"
         self._processes: dict[str, subprocess.Popen[str]] = {}
         self.start("router", "network", "--listen", self.endpoint)
+        self._wait_for(Path(self._folder.name, "router"))
         self.start("world", "world", *self._run, "--scenario", scenario, "--endless")
         for robot in range(1, (robots if agents is None else agents) + 1):
             self.start_agent(robot)
         self.url = self.start_dashboard()
+
+    def _wait_for(self, socket: Path, seconds: float = 60.0) -> None:
+        """A busy machine may take long to start a router; a client does not wait that long."""
+        end = time.monotonic() + seconds
+        while not socket.exists():
+            assert time.monotonic() < end, "the router does not listen"
+            time.sleep(0.05)
 
     @property
     def _run(self) -> list[str]:
@@ -60,6 +74,15 @@ class Flight:
         found = re.fullmatch(r"dashboard: (http://127\.0\.0\.1:\d+)\n", line)
         assert found, f"expected the dashboard's address; got {line!r}"
         return found[1]
+
+    def state(self, seconds: float = 5.0) -> State:
+        """What the world says now."""
+        with Session(self.endpoint, RUN) as session:
+            session.subscribe(keys.state(RUN))
+            while True:
+                item = session.inbox.get(timeout=seconds)
+                if isinstance(item, Sample):
+                    return decode(State, item.payload)
 
     def pid(self, name: str) -> int:
         """Process id."""

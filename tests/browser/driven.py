@@ -1,0 +1,138 @@
+"""The dashboard's page as a test drives it. Names are what a person reads; the rest are viser's own test hooks."""
+
+import re
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from formation.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, ConsoleMessage, Request
+
+THROTTLE_MS = 80
+"""The page drops edits that follow each other faster than 50 ms."""
+READY = """() => {
+  const t = window.__viserTestpoints, m = window.__viserMutable;
+  return t && t.rendererInfo && t.rendererInfo.render.frame > 1 && window.__viserSceneTree
+    && window.__viserSceneTree.getState()["/bodies"] !== undefined;
+}"""
+PIXEL = """([x, y, z]) => {
+  const camera = window.__viserMutable.camera, canvas = window.__viserMutable.canvas;
+  const apply = (m, v) => [0, 1, 2, 3].map(r => m[r] * v[0] + m[r + 4] * v[1] + m[r + 8] * v[2] + m[r + 12] * v[3]);
+  const node = window.__viserMutable.nodeRefFromName["/bodies"];
+  const point = apply((node.current || node).matrixWorld.elements, [x, y, z, 1]);
+  const clip = apply(camera.projectionMatrix.elements, apply(camera.matrixWorldInverse.elements, point));
+  const flat = document.createElement("canvas");
+  flat.width = canvas.width; flat.height = canvas.height;
+  const context = flat.getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const u = Math.round((clip[0] / clip[3] + 1) / 2 * canvas.width);
+  const v = Math.round((1 - clip[1] / clip[3]) / 2 * canvas.height);
+  return [u, v, ...context.getImageData(u, v, 1, 1).data.slice(0, 3)];
+}"""
+
+
+class Driven:
+    """One page of the dashboard."""
+
+    def __init__(self, browser: "Browser", url: str) -> None:
+        self.url = url
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self.page = browser.new_page(viewport={"width": 1280, "height": 800})
+        self.page.on("console", self._note_console)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", self._note_request)
+        self.open(url)
+
+    def _note_console(self, message: "ConsoleMessage") -> None:
+        if message.type == "error":
+            self.errors.append(message.text)
+
+    def _note_request(self, request: "Request") -> None:
+        self.requests.append(request.url)
+
+    def open(self, url: str) -> None:
+        """Load the page and wait until it shows robots."""
+        self.url = url
+        self.page.goto(f"{url}/?fixedDpr=1")
+        self.page.wait_for_function(READY, timeout=40_000)
+
+    def text(self) -> str:
+        """All that can be read."""
+        return self.page.locator("body").inner_text()
+
+    def wait_text(self, pattern: str, seconds: float = 10.0) -> None:
+        """Wait until this can be read."""
+        self.until(lambda: re.search(pattern, self.text()) is not None, f"text {pattern!r}", seconds)
+
+    def until(self, holds: Callable[[], bool], what: str, seconds: float = 10.0) -> None:
+        """Wait until it holds."""
+        end = time.monotonic() + seconds
+        while not holds():
+            assert time.monotonic() < end, f"no {what} within {seconds:g} s; the page says: {self.text()[:1500]}"
+            self.page.wait_for_timeout(60)
+
+    def press(self, name: str) -> None:
+        """Click a button."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def _id(self, label: str) -> str:
+        found = self.page.locator(f'label:text-is("{label}")').get_attribute("for")
+        assert found is not None
+        return f'[id="{found}"]'
+
+    def choose(self, label: str, option: str) -> None:
+        """Choose from a dropdown."""
+        self.page.locator(self._id(label)).click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def tick(self, label: str, on: bool) -> None:
+        """Set a checkbox."""
+        self.page.locator(self._id(label)).set_checked(on)
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def ticked(self, label: str) -> bool:
+        """Whether a checkbox is set."""
+        return self.page.locator(self._id(label)).is_checked()
+
+    def _number_box(self, label: str) -> Any:
+        return self.page.locator(self._id(label)).locator("xpath=following-sibling::*//input")
+
+    def fill(self, label: str, value: str) -> None:
+        """Type into a slider's number box."""
+        box = self._number_box(label)
+        box.fill(value)
+        box.blur()
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def number(self, label: str) -> str:
+        """What a slider's number box says."""
+        return str(self._number_box(label).input_value())
+
+    def prop(self, node: str, name: str) -> FloatArray:
+        """An array of the scene as the page has it."""
+        value = self.page.evaluate(
+            "([node, name]) => Array.from(window.__viserSceneTree.getState()[node].message.props[name])", [node, name]
+        )
+        return np.array(value, dtype=float)
+
+    def bodies(self) -> FloatArray:
+        """(n, 3) where the page draws the robots [m]."""
+        return self.prop("/bodies", "batched_positions").reshape(-1, 3)
+
+    def pixel(self, point: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Place on the canvas and colour (0..255) of a point of the world."""
+        u, v, r, g, b = self.page.evaluate(PIXEL, [float(c) for c in point])
+        return np.array([u, v]), np.array([r, g, b], dtype=float)
+
+    def age(self, sender: int, receiver: int) -> float | None:
+        """Age in a cell of the link matrix [s]; None if it has none."""
+        cell = self.page.locator("table").first.locator("tr").nth(sender).locator("td").nth(receiver).inner_text()
+        found = re.search(r"([\d.]+) (ms|s)", cell)
+        return None if found is None else float(found[1]) * (1e-3 if found[2] == "ms" else 1.0)

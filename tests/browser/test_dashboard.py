@@ -1,0 +1,170 @@
+"""The dashboard in a browser, on a real run of three robots. One run and one page for all tests of the module."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+from dashboard import colours
+from tests.browser.driven import Driven
+from tests.browser.flight import ROOT, RUN, Flight
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = [pytest.mark.browser, pytest.mark.processes]
+
+
+@pytest.fixture(scope="module")
+def flight() -> Iterator[Flight]:
+    with Flight("triangle-circle", robots=3) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(browser: "Browser", flight: Flight) -> Iterator[Driven]:
+    driven = Driven(browser, flight.url)
+    yield driven
+    driven.page.close()
+
+
+@pytest.fixture(autouse=True)
+def undisturbed(page: Driven) -> Iterator[None]:
+    """Every test begins and ends with a running, healthy flight."""
+    yield
+    page.press("Clear faults")
+    if page.page.get_by_role("button", name="Start", exact=True).count():
+        page.press("Start")
+    page.wait_text("No faults")
+    page.wait_text("RUNNING")
+
+
+def test_the_page_comes_up_without_errors_or_requests_elsewhere(page: Driven) -> None:
+    page.wait_text("RUNNING")
+    page.wait_text(r"t = \d")
+    own = urlsplit(page.url).netloc
+    assert page.errors == []
+    elsewhere = [
+        url for url in page.requests if urlsplit(url).scheme not in ("blob", "data") and urlsplit(url).netloc != own
+    ]
+    assert elsewhere == []
+
+
+def test_robots_are_where_the_world_says(page: Driven, flight: Flight) -> None:
+    page.press("Follow")
+    page.page.wait_for_timeout(700)
+    page.press("Pause")
+    page.wait_text("PAUSED")
+    page.page.wait_for_timeout(700)
+    state = flight.state()
+    np.testing.assert_allclose(page.bodies()[:, :2], state.poses[:, :2], atol=1e-5)
+    for robot, (x, y, heading) in enumerate(state.poses, start=1):
+        nose = np.array([x + 0.022 * np.cos(heading), y + 0.022 * np.sin(heading), 0.006])
+        _, colour = page.pixel(nose)
+        asked = 255.0 * colours.rgb(colours.identity(robot, 3))
+        assert np.abs(colour - asked).max() < 60.0, f"robot {robot}: expected about {asked}; got {colour}"
+    page.press("Fit")
+
+
+def test_pause_stops_motion_and_start_goes_on(page: Driven) -> None:
+    page.press("Pause")
+    page.wait_text("PAUSED")
+    page.page.wait_for_timeout(300)
+    before = page.bodies()
+    page.page.wait_for_timeout(400)
+    np.testing.assert_array_equal(page.bodies(), before)
+    page.press("Start")
+    page.until(lambda: bool(np.abs(page.bodies() - before).max() > 1e-3), "motion")
+
+
+def test_a_latency_on_one_link_ages_that_link_and_no_other(page: Driven) -> None:
+    page.choose("Target", "1 → 2")
+    page.fill("Latency ms", "400")
+    page.until(lambda: (page.age(1, 2) or 0.0) >= 0.39, "age of 1->2")
+    assert (page.age(2, 3) or 0.0) < 0.2
+    assert (page.age(3, 1) or 0.0) < 0.2
+    page.choose("Target", "2 → 3")
+    page.until(lambda: page.number("Latency ms") == "0", "latency 0 on 2->3")
+    page.choose("Target", "1 → 2")
+    page.until(lambda: page.number("Latency ms") == "400", "latency 400 on 1->2")
+
+
+def test_a_cut_link_is_lost_until_it_is_healed(page: Driven) -> None:
+    page.choose("Target", "3 → 1")
+    page.tick("Cut", True)
+    page.wait_text(r"CUT")
+    page.until(lambda: (page.age(3, 1) or 0.0) > 0.5, "age of 3->1")
+    page.tick("Cut", False)
+    page.until(lambda: (page.age(3, 1) or 1.0) < 0.2, "fresh plans over 3->1")
+    assert "CUT" not in page.text()
+
+
+def test_what_the_world_refuses_is_said_and_not_shown(page: Driven) -> None:
+    page.choose("Target", "1 → 2")
+    page.tick("For 10 s", True)
+    page.fill("Loss %", "50")
+    page.wait_text(r"1→2\s+loss 50 %")
+    page.tick("For 10 s", False)
+    page.choose("Controller", "paper")
+    page.wait_text("paper")
+    page.choose("Controller", "nash")
+
+
+def test_a_dashboard_that_is_started_again_shows_the_faults_in_force(page: Driven, flight: Flight) -> None:
+    page.choose("Target", "All links")
+    page.fill("Loss %", "25")
+    page.choose("Target", "2 → 3")
+    page.tick("Cut", True)
+    page.wait_text(r"2→3\s+cut")
+    flight.end("dashboard", kill=True)
+    flight.url = flight.start_dashboard(urlsplit(page.url).port or 0)
+    page.open(flight.url)
+    page.wait_text(r"2→3\s+cut")
+    page.until(lambda: page.number("Loss %") == "25" and page.ticked("Cut"), "the faults on the panel")
+
+
+def test_a_killed_agent_is_shown_and_comes_back(page: Driven, flight: Flight) -> None:
+    flight.end("agent-2", kill=True)
+    page.wait_text(r"R2 LOST")
+    flight.start_agent(2)
+    page.until(lambda: "R2 LOST" not in page.text(), "robot 2 alive", 20.0)
+
+
+def test_another_scenario_has_other_robots(page: Driven) -> None:
+    page.choose("Scenario", "figure8")
+    page.until(lambda: len(page.bodies()) == 2, "two robots")
+    page.choose("Scenario", "triangle-circle")
+    page.until(lambda: len(page.bodies()) == 3, "three robots")
+
+
+def test_pages_of_other_sites_are_refused(page: Driven) -> None:
+    import viser
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+    from websockets.typing import Origin, Subprotocol
+
+    address = page.url.replace("http", "ws")
+    protocol = [Subprotocol(f"viser-v{viser.__version__}")]
+    foreign: tuple[str | None, ...] = ("http://evil.example", "null", None, page.url.replace("127.0.0.1", "localhost"))
+    for origin in foreign:
+        with pytest.raises(InvalidStatus, match="403"):
+            connect(address, origin=None if origin is None else Origin(origin), subprotocols=protocol)
+    with connect(address, origin=Origin(page.url), subprotocols=protocol, max_size=None) as socket:
+        assert socket.recv(timeout=5.0)
+
+
+def test_a_taken_port_is_an_error_in_one_line(page: Driven, flight: Flight) -> None:
+    port = str(urlsplit(page.url).port)
+    command = [sys.executable, "-m", "dashboard", "--run", RUN, "--connect", flight.endpoint, "--port", port]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=20, env=dict(os.environ), check=False
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert port in done.stderr

@@ -4,7 +4,18 @@ import math
 
 import numpy as np
 
-from agents.compiled import MATRIX, MATRIX_OUT, NOTHING, REAL, STRIDED, STRIDED_OUT, VECTOR, VECTOR_OUT, kernel, kernel_for
+from agents.compiled import (
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    STRIDED,
+    STRIDED_OUT,
+    VECTOR,
+    VECTOR_OUT,
+    kernel,
+    kernel_for,
+)
 from formation import unicycle
 from formation.arrays import FloatArray
 
@@ -19,9 +30,7 @@ def clip(value: float, limit: float) -> float:
 
 
 @kernel
-def derivatives(
-    theta: float, v: float, omega: float, dt: float
-) -> tuple[float, float, float, float, float, float]:
+def derivatives(theta: float, v: float, omega: float, dt: float) -> tuple[float, float, float, float, float, float]:
     """Derivatives of unicycle.step: of x and y by theta, by v, and by omega.
 
     Returns:
@@ -46,9 +55,7 @@ def derivatives(
 
 
 @kernel_for(NOTHING, STRIDED, REAL, REAL, STRIDED, STRIDED_OUT)
-def shift(
-    inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray, out: FloatArray
-) -> None:
+def shift(inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray, out: FloatArray) -> None:
     """A plan's inputs on the grid that begins `elapsed` after the plan: out[j] is the mean over interval j.
 
     Args:

@@ -32,8 +32,10 @@ class Follower:
         ratio = math.sin(e_theta) / e_theta if abs(e_theta) > 1e-9 else 1.0
         v = v_l * math.cos(e_theta) + self._gain_x * float(e_x)
         omega = omega_l + self._gain_theta * e_theta + v_l * float(e_y) * ratio
-        now = np.clip(np.array([v, omega]), -self._pair.limits, self._pair.limits)
-        return Solution(np.tile(now, (self._pair.horizon, 1)))
+        converged = math.isfinite(v) and math.isfinite(omega)  # a peer's plan may hold any finite number
+        wished = np.array([v, omega]) if converged else np.zeros(2)
+        now = np.clip(wished, -self._pair.limits, self._pair.limits)
+        return Solution(np.tile(now, (self._pair.horizon, 1)), converged)
 
 
 class Leader:

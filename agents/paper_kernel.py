@@ -7,7 +7,18 @@ import math
 
 import numpy as np
 
-from agents.compiled import FLAGS, MATRIX_OUT, NOTHING, REAL, STRIDED, STRIDED_VECTOR, VECTOR, VECTOR_OUT, kernel, kernel_for
+from agents.compiled import (
+    FLAGS,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    STRIDED,
+    STRIDED_VECTOR,
+    VECTOR,
+    VECTOR_OUT,
+    kernel,
+    kernel_for,
+)
 from agents.kernels import clip, wrap
 from formation.arrays import FloatArray
 
@@ -74,7 +85,18 @@ def error_state(
 
 
 @kernel_for(
-    NOTHING, VECTOR, VECTOR, STRIDED_VECTOR, STRIDED_VECTOR, VECTOR, STRIDED_VECTOR, VECTOR, REAL, FLAGS, *[MATRIX_OUT] * 3, VECTOR_OUT
+    NOTHING,
+    VECTOR,
+    VECTOR,
+    STRIDED_VECTOR,
+    STRIDED_VECTOR,
+    VECTOR,
+    STRIDED_VECTOR,
+    VECTOR,
+    REAL,
+    FLAGS,
+    *[MATRIX_OUT] * 3,
+    VECTOR_OUT,
 )
 def linearise(
     own: FloatArray,
@@ -169,7 +191,21 @@ def _euler(pose: FloatArray, u: FloatArray, dt: float) -> FloatArray:
 
 
 @kernel_for(
-    NOTHING, VECTOR, STRIDED, VECTOR, STRIDED, STRIDED, STRIDED_VECTOR, REAL, VECTOR, REAL, VECTOR, VECTOR, VECTOR, FLAGS, MATRIX_OUT
+    NOTHING,
+    VECTOR,
+    STRIDED,
+    VECTOR,
+    STRIDED,
+    STRIDED,
+    STRIDED_VECTOR,
+    REAL,
+    VECTOR,
+    REAL,
+    VECTOR,
+    VECTOR,
+    VECTOR,
+    FLAGS,
+    MATRIX_OUT,
 )
 def plan(
     own: FloatArray,

@@ -105,7 +105,9 @@ def _print(summary: dict[str, Any]) -> None:
     errors = Table("pattern error", "rms mm", "median mm", "p95 mm", "max mm", "angle rms rad")
     for robot, figures in summary["robots"].items():
         d, a = figures["distance_error_m"], figures["angle_error_rad"]
-        errors.add_row(f"robot {robot}", *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), f"{a['rms']:.2g}")
+        errors.add_row(
+            f"robot {robot}", *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), f"{a['rms']:.2g}"
+        )
     t = summary["tracking_error_m"]
     errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "")
     console.print(errors)

@@ -54,7 +54,9 @@ def _print(name: str, page: str, state: State) -> None:
     table = Table("robot", "agent", "distance error mm", "angle error rad")
     for i, (distance, angle) in enumerate(zip(state.distance_errors, state.angle_errors, strict=True), start=1):
         alive = "alive" if i in state.live else "lost"
-        table.add_row(str(i), alive + (", stopped" if i in state.stopped else ""), f"{distance * MILLI:.3f}", f"{angle:.4f}")
+        table.add_row(
+            str(i), alive + (", stopped" if i in state.stopped else ""), f"{distance * MILLI:.3f}", f"{angle:.4f}"
+        )
     console.print(table)
     console.print(f"centre to path {state.tracking_error * MILLI:.3f} mm")
     for link, fault in sorted(state.faults.items()):

@@ -48,7 +48,10 @@ def run(options: argparse.Namespace) -> int:
         shown = 0
         try:
             while live.watch():
-                for event in live.state.events if live.state else ():
+                events = live.state.events if live.state else []
+                if events and events[-1].number < shown:  # a world that was started again counts anew
+                    shown = 0
+                for event in events:
                     if event.number > shown:
                         shown = event.number
                         _tell(f"t = {event.stamp:.2f} s: {event.text}")

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 
-from agents.cache import compiled, note_compiled
+from agents.cache import compiled, fetch_prebuilt, note_compiled
 from formation.errors import EchelonError
 
 KERNEL_MODULES = "agents.kernels, agents.nash_kernel, agents.paper_kernel"
@@ -19,11 +19,14 @@ def ensure_compiled(tell: Callable[[str], None]) -> None:
     Raises:
         EchelonError: it cannot be compiled.
     """
+    fetch_prebuilt()
     if compiled():
         return
     tell("compiling the solver (once on this machine, about half a minute) ...")
     command = [sys.executable, "-c", f"import {KERNEL_MODULES}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise EchelonError(f"the solver cannot be compiled: {(done.stderr.strip().splitlines() or ['no reason given'])[-1]}")
+        raise EchelonError(
+            f"the solver cannot be compiled: {(done.stderr.strip().splitlines() or ['no reason given'])[-1]}"
+        )
     note_compiled()

@@ -7,6 +7,7 @@ from typing import Any
 from agents.agent import Agent
 from formation.pattern import downstream
 from formation.scenario import Scenario
+from network.messages import Plan
 from world.world import World
 
 PROGRESS_TICKS = 50
@@ -25,19 +26,20 @@ def fly(scenario: Scenario, *, progress: Callable[[float], None] | None = None, 
     agents = {robot: Agent(scenario, robot, epoch=world.epoch) for robot in world.robots}
     world.live = set(agents)
     revision = -1
+    plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
     while not world.finished:
         tick = world.tick()
         if tick.revision != revision:
             revision = tick.revision
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
+        for plan in plans:
+            agents[downstream(plan.sender, len(agents))].receive(plan)
         answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
         if tick.last:
             for agent in agents.values():
                 world.hear(agent.status(tick.seq, tick.stamp))
-        for robot, answer in answers.items():
-            if answer.plan is not None:
-                agents[downstream(robot, len(agents))].receive(answer.plan)
+        plans = [answer.plan for answer in answers.values() if answer.plan is not None]
         world.advance({robot: answer.command for robot, answer in answers.items()})
         if progress and tick.seq % PROGRESS_TICKS == 0:
             progress(world.now)

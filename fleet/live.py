@@ -21,6 +21,9 @@ from network.session import Sample, Session
 WATCH_SECONDS = 0.1
 
 
+_ENDINGS = (signal.SIGINT, signal.SIGTERM)
+
+
 def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
@@ -57,13 +60,13 @@ class LiveRun:
             name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
         )
         self._supervisor = Supervisor(name, tell)
+        self._handlers: dict[signal.Signals, Any] = {}
         self._session: Session | None = None
         self._state: State | None = None
 
     def __enter__(self) -> Self:
         # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, _interrupt)
+        self._handlers = {number: signal.signal(number, _interrupt) for number in _ENDINGS}
         try:
             ensure_compiled(self._tell)
             self._supervisor.start(programs(self._plan, self._scenario))
@@ -77,13 +80,14 @@ class LiveRun:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        # A second Ctrl-C must not interrupt the tidying up.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        for number in _ENDINGS:  # a second Ctrl-C must not interrupt the tidying up
+            signal.signal(number, signal.SIG_IGN)
         self._supervisor.stop()
         if self._session is not None:
             self._session.close()
         self._claim.__exit__()
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
 
     @property
     def state(self) -> State | None:

@@ -116,9 +116,7 @@ class Line(Path):
     """[rad]."""
 
     def position(self, t: FloatArray) -> FloatArray:
-        return self.speed * np.stack(
-            [t * math.cos(self.heading), t * math.sin(self.heading)], axis=-1
-        )
+        return self.speed * np.stack([t * math.cos(self.heading), t * math.sin(self.heading)], axis=-1)
 
 
 class Waypoints(Path):
@@ -153,9 +151,7 @@ class Waypoints(Path):
         return self._curve(self.speed * t)
 
 
-AnyPath = Annotated[
-    Figure8 | Circle | Sinusoid | Spiral | Corner | Line | Waypoints, Field(discriminator="kind")
-]
+AnyPath = Annotated[Figure8 | Circle | Sinusoid | Spiral | Corner | Line | Waypoints, Field(discriminator="kind")]
 
 
 def heading(path: Path, t: FloatArray, interval: float) -> FloatArray:

@@ -40,9 +40,7 @@ class Block:
 class Reference:
     """The reference of some robots, by tick. `block(k)` holds every tick from k to the end of the horizon."""
 
-    def __init__(
-        self, path: Path, offsets: FloatArray, *, control_interval: float, stride: int, horizon: int
-    ) -> None:
+    def __init__(self, path: Path, offsets: FloatArray, *, control_interval: float, stride: int, horizon: int) -> None:
         """A reference for the robots with these offsets.
 
         Args:

@@ -10,9 +10,7 @@ SMALL_TURN = 1e-4
 """Half turn [rad] below which sin(h)/h is taken from its series; the first term left out is h^4/120 < 1e-18."""
 
 
-def step(
-    x: float, y: float, theta: float, v: float, omega: float, dt: float
-) -> tuple[float, float, float]:
+def step(x: float, y: float, theta: float, v: float, omega: float, dt: float) -> tuple[float, float, float]:
     """Pose after holding (v, omega) for dt: an arc of a circle, or a straight line.
 
     Args:

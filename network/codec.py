@@ -14,7 +14,20 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from formation.errors import WireError
-from network.messages import VERSION, Command, Event, LinkCounts, Message, Plan, Reply, Request, Setup, State, Status, Tick
+from network.messages import (
+    VERSION,
+    Command,
+    Event,
+    LinkCounts,
+    Message,
+    Plan,
+    Reply,
+    Request,
+    Setup,
+    State,
+    Status,
+    Tick,
+)
 
 MAX_BYTES = 1 << 20
 _CRC = struct.Struct("<I")
@@ -86,7 +99,7 @@ def decode(kind: type[M], payload: bytes) -> M:
     if not isinstance(body, dict):
         raise WireError(f"expected a map; got {type(body).__name__}")
     name, version = body.pop("type", None), body.pop("version", None)
-    if version != VERSION:
+    if type(version) is not int or version != VERSION:
         raise WireError(f"expected version {VERSION}; got {version!r:.40}")
     if name != _NAMES[kind]:
         raise WireError(f"expected a {_NAMES[kind]}; got {name!r:.40}")

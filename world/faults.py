@@ -4,56 +4,58 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from formation.faults import PERFECT, Fault, ScheduledFault, links_named, plan_links, with_changes
+from formation.faults import PERFECT, Fault, ScheduledFault, every_link, links_named, plan_links, with_changes
 from formation.scenario import Scenario
 
 
-@dataclass(slots=True)
-class _Override:
+@dataclass(frozen=True, slots=True)
+class _Wish:
     """What a person set on one link."""
 
+    link: str
     changes: dict[str, Any]
     until: float | None
+    """Simulated time at which it ends [s]; None for never."""
 
 
 @dataclass(slots=True)
 class FaultState:
-    """The faults in force. Later layers win: [link], then the schedule, then what people set."""
+    """The faults in force. Later layers win: [link], then the schedule, then what people set, in that order."""
 
     scenario: Scenario
     table: Mapping[str, Fault] = field(default_factory=dict)
     """Every link that is not perfect."""
-    _overrides: dict[str, _Override] = field(default_factory=dict)
-    _cancelled: set[int] = field(default_factory=set)
-    _active: tuple[int, ...] = ()
-    _stale: bool = True
+    _wishes: list[_Wish] = field(default_factory=list)
+    _cancelled: set[tuple[int, str]] = field(default_factory=set)
+    """Scheduled faults (by index) that people ended on a link."""
+    _active: tuple[int, ...] | None = None
+    """Scheduled faults that the table was made of; None if it must be made anew."""
 
     def update(self, now: float) -> list[str]:
         """Bring the table to time `now` [s]. Returns a line per link that changed."""
-        for link, override in list(self._overrides.items()):
-            if override.until is not None and now >= override.until - 1e-9:
-                del self._overrides[link]
-                self._stale = True
-        active = tuple(i for i, entry in enumerate(self.scenario.faults) if i not in self._cancelled and _on(entry, now))
-        if active == self._active and not self._stale:
+        wishes = [wish for wish in self._wishes if wish.until is None or now < wish.until - 1e-9]
+        active = tuple(i for i, entry in enumerate(self.scenario.faults) if _on(entry, now))
+        if active == self._active and len(wishes) == len(self._wishes):
             return []
-        self._active, self._stale = active, False
-        base = {} if self.scenario.link == PERFECT else dict.fromkeys(plan_links(self.scenario.size), self.scenario.link)
-        table: dict[str, Fault] = dict(base)
+        self._active, self._wishes = active, wishes
+        before, self.table = self.table, self._made_of(active)
+        return [
+            f"{link}: {self.table.get(link, PERFECT).words()}"
+            for link in sorted({*self.table, *before})
+            if self.table.get(link) != before.get(link)
+        ]
+
+    def _made_of(self, active: tuple[int, ...]) -> dict[str, Fault]:
+        size = self.scenario.size
+        table = dict.fromkeys(plan_links(size), self.scenario.link)
         for index in active:
             entry = self.scenario.faults[index]
-            for link in links_named(entry.link, self.scenario.size):
-                table[link] = with_changes(table.get(link, PERFECT), entry.changes())
-        for link, override in self._overrides.items():
-            table[link] = with_changes(table.get(link, PERFECT), override.changes)
-        table = {link: fault for link, fault in table.items() if fault != PERFECT}
-        lines = [
-            f"{link}: {table.get(link, PERFECT).words()}"
-            for link in sorted({*table, *self.table})
-            if table.get(link) != self.table.get(link)
-        ]
-        self.table = table
-        return lines
+            for link in links_named(entry.link, size):
+                if (index, link) not in self._cancelled:
+                    table[link] = with_changes(table.get(link, PERFECT), entry.changes())
+        for wish in self._wishes:
+            table[wish.link] = with_changes(table.get(wish.link, PERFECT), wish.changes)
+        return {link: fault for link, fault in table.items() if fault != PERFECT}
 
     def change(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
         """Set keys of a link's fault (or of the whole ring's, "all") on top of what it has, until a time.
@@ -64,32 +66,41 @@ class FaultState:
         links = links_named(link, self.scenario.size)
         for name in links:
             with_changes(self.table.get(name, PERFECT), changes)
-        for name in links:
-            before = self._overrides.get(name)
-            self._overrides[name] = _Override({**(before.changes if before else {}), **changes}, until)
-        self._stale = True
+        self._wishes = [*self._wishes, *(_Wish(name, dict(changes), until) for name in links)]
+        self._merge()
+        self._active = None
+
+    def _merge(self) -> None:
+        """Let neighbouring lasting wishes on a link be one, so that a moved slider does not pile them up."""
+        merged: list[_Wish] = []
+        for wish in self._wishes:
+            last = next((i for i in range(len(merged) - 1, -1, -1) if merged[i].link == wish.link), None)
+            if last is not None and merged[last].until is None and wish.until is None:
+                merged[last] = _Wish(wish.link, {**merged[last].changes, **wish.changes}, None)
+            else:
+                merged.append(wish)
+        self._wishes = merged
 
     def clear(self, link: str, now: float) -> None:
-        """Take back what people set and end what the schedule has on now; [link] stays.
+        """Take back what people set on a link, or on every link ("all"), and end what the schedule has on now.
+
+        What the scenario's [link] says stays: it is how its links are.
 
         Raises:
             FaultError: no such link.
         """
-        links = links_named(link, self.scenario.size)
-        if link.strip() == "all":
-            self._overrides.clear()
-        for name in links:
-            self._overrides.pop(name, None)
-        for index, entry in enumerate(self.scenario.faults):
-            if now >= entry.at - 1e-9 and set(links_named(entry.link, self.scenario.size)) <= set(links):
-                self._cancelled.add(index)
-        self._stale = True
+        size = self.scenario.size
+        links = every_link(size) if link.strip() == "all" else links_named(link, size)
+        self._wishes = [wish for wish in self._wishes if wish.link not in links]
+        running = [index for index, entry in enumerate(self.scenario.faults) if _on(entry, now)]
+        self._cancelled |= {(index, name) for index in running for name in links}
+        self._active = None
 
     def restart(self) -> None:
         """Time begins anew: the schedule is whole again; what people set without an end stays."""
         self._cancelled.clear()
-        self._overrides = {link: o for link, o in self._overrides.items() if o.until is None}
-        self._stale = True
+        self._wishes = [wish for wish in self._wishes if wish.until is None]
+        self._active = None
 
 
 def _on(entry: ScheduledFault, now: float) -> bool:

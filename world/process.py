@@ -4,37 +4,36 @@ In lockstep the world waits for every live agent's command and says its tick aga
 message lost with the router costs time, not truth. In real time it goes on with the newest commands.
 """
 
-import logging
 from collections import deque
 from queue import Empty
 from time import monotonic
 
 from formation.errors import EchelonError, WireError
-from formation.faults import preset
-from formation.scenario import Scenario, load, parse
 from network import control, keys
 from network.codec import decode, encode
 from network.control import Operation
 from network.lifetime import Lifetime
-from network.messages import Command, Reply, Request, RunStatus, Status
+from network.messages import Command, Reply, Request, Status
 from network.rejects import Rejects
 from network.session import Incoming, Presence, Query, Sample, Session
+from world.orders import Orders
+from world.pace import Pace
+from world.roster import Roster
 from world.world import World
 
 STATE_INTERVAL = 0.05
 """Wall-clock time between two states for people [s]."""
+IDLE_SECONDS = 0.02
+"""Between two looks around while time stands still."""
 RESEND_SECONDS = 0.1
 """A tick that is not answered so long is said again."""
-GRACE_SECONDS = 1.0
-"""An agent that does not answer for so long is no longer waited for."""
-RETURN_SECONDS = 3.0
-"""How long agents are waited for after the router came back."""
-CATCH_UP_SECONDS = 0.2
-"""A pace that fell behind by more is not made up for."""
+GRACE_SECONDS = 5.0
+"""An agent that is there but does not answer for so long is no longer waited for. A dead or stopped one is noticed by
+its liveliness token, within a second; a merely slow one on a loaded machine must not change a lockstep run."""
+LAST_WORDS_SECONDS = 2.0
+"""How long the last statuses of a flight are waited for."""
 MAX_AHEAD = 1.0
 """A message may be stamped so far ahead of the world's time [s]."""
-
-_log = logging.getLogger("echelon")
 
 
 class Driver:
@@ -51,21 +50,13 @@ class Driver:
             start: begin as soon as every agent is there.
         """
         self._session, self._world, self._lifetime = session, world, lifetime
-        self._speed = speed
-        self._status: RunStatus = "waiting"
-        self._go = start
-        self._budget: int | None = None  # ticks left of a Step
+        self._pace = Pace(speed)
+        self._roster = Roster(session, world)
+        self._orders = Orders(world, self._pace, self._roster, go=start)
         self._asked: deque[tuple[Operation, Query]] = deque()
         self._commands: dict[int, Command] = {}
-        self._present: set[int] = set()
         self._rejects = Rejects()
-        self._states = self._overruns = 0
-        self._due = self._state_due = monotonic()
-        self._pace: deque[tuple[float, float]] = deque()
-        self._stop = False
-        self._began: float | None = None  # wall clock at the flight's first and after its last tick
-        self._ended = 0.0
-        self._lost_at: float | None = None
+        self._states, self._state_due = 0, monotonic()
         run = session.run
         self._keys = {"tick": keys.tick(run), "state": keys.state(run)}
         session.announce(self._keys["tick"], reliable=world.mode == "lockstep")
@@ -76,90 +67,79 @@ class Driver:
         session.watch()
         session.appear("world")
 
+    @property
+    def _over(self) -> bool:
+        return self._lifetime.over or self._orders.stop
+
     def run(self) -> None:
         """Until told to end."""
-        while not (self._lifetime.over or self._stop):
+        while not self._over:
             self._answer_people()
-            self._choose_status()
             self._say_state()
-            if self._status != "running" and not self._budget:
-                self._listen(0.02)
-                self._due = monotonic()
-            elif self._world.mode == "lockstep":
-                self._note_begin()
-                self._lockstep()
-            else:
-                self._note_begin()
-                self._realtime()
-        self._say_state(now=True)
+            if not self._orders.active:
+                self._listen(IDLE_SECONDS)
+                self._pace.hold()
+                continue
+            self._pace.begin(self._world.k)
+            passed = self._lockstep() if self._world.mode == "lockstep" else self._realtime()
+            if not passed:
+                break
+            self._pace.end()
+            self._orders.note_tick()
+            if self._world.finished:
+                self._gather_last_words()
+        self._state_due = 0.0
+        self._say_state()
 
     # ------------------------------------------------------------------ time
 
-    def _lockstep(self) -> None:
+    def _lockstep(self) -> bool:
+        """One tick with every live agent's command. False if the process shall end meanwhile."""
         world = self._world
         tick = world.tick()
         self._commands.clear()
         self._session.publish(self._keys["tick"], tick)
         began = said = monotonic()
-        while world.live - self._commands.keys() and not self._lifetime.over:
+        while world.live - self._commands.keys():
+            if self._lifetime.over:
+                return False
             self._listen(RESEND_SECONDS)
             self._say_state()
             now = monotonic()
             if now - said > RESEND_SECONDS:
                 self._session.publish(self._keys["tick"], tick)
                 said = now
-                if not self._reachable():
+                if not self._roster.reachable():
                     began = now
                 elif now - began > GRACE_SECONDS:
-                    for robot in world.live - self._commands.keys():
-                        self._lose(robot, "does not answer")
-        if self._lifetime.over:
-            return
+                    for robot in sorted(world.live - self._commands.keys()):
+                        self._roster.lose(robot, "does not answer")
         world.advance({robot: self._commands[robot] for robot in sorted(self._commands)})
-        self._after_tick()
         self._wait_until_due()
+        return True
 
-    def _realtime(self) -> None:
+    def _realtime(self) -> bool:
+        """One tick with whatever commands have come in. False if the process shall end meanwhile."""
         world = self._world
         self._session.publish(self._keys["tick"], world.tick())
         self._wait_until_due()
-        late = monotonic() - self._due
-        if self._speed and late > world.scenario.control_interval / self._speed:
-            self._overruns += 1
-        self._reachable()
+        self._pace.note_overrun(world.scenario.control_interval)
+        self._roster.reachable()
         world.advance(self._commands)
         self._commands = {}
-        self._after_tick()
-
-    def _after_tick(self) -> None:
-        self._ended = monotonic()
-        if self._budget:
-            self._budget -= 1
-        if self._world.finished:
-            self._gather_last_words()
-
-    def _note_begin(self) -> None:
-        if self._world.k == 0:
-            self._began = monotonic()
+        return not self._lifetime.over
 
     def _wait_until_due(self) -> None:
         """Keep the pace, listening meanwhile."""
-        if not self._speed:
-            self._listen(0.0)
-            return
-        self._due += self._world.scenario.control_interval / self._speed
-        now = monotonic()
-        if now - self._due > CATCH_UP_SECONDS:
-            self._due = now
-        while not self._lifetime.over:
-            self._listen(self._due - monotonic())
+        self._pace.next(self._world.scenario.control_interval)
+        self._listen(self._pace.left)
+        while self._pace.left > 0 and not self._lifetime.over:
             self._say_state()
-            if monotonic() >= self._due:
-                return
+            self._listen(self._pace.left)
 
     def _gather_last_words(self) -> None:
         """The flight is over: every live agent says its last status."""
-        last, until = self._world.k - 1, monotonic() + GRACE_SECONDS
+        last, until = self._world.k - 1, monotonic() + LAST_WORDS_SECONDS
         while not self._lifetime.over and monotonic() < until:
             said = {robot for robot, status in self._world.statuses.items() if status.seq >= last}
             if self._world.live <= said:
@@ -172,11 +152,11 @@ class Driver:
         """Take what has come in; if nothing has, wait for one thing at most so long."""
         inbox = self._session.inbox
         try:
-            self._take(inbox.get(timeout=max(0.0, seconds)) if seconds > 0 else inbox.get_nowait())
+            self._take(inbox.get(timeout=seconds) if seconds > 0 else inbox.get_nowait())
             while True:
                 self._take(inbox.get_nowait())
         except Empty:
-            pass
+            self._roster.settle()
 
     def _take(self, item: Incoming) -> None:
         match item:
@@ -184,17 +164,11 @@ class Driver:
                 try:
                     self._take_sample(key, payload)
                 except WireError as error:
-                    self._rejects.add(key, error)
+                    self._reject(key, error)
             case Query():
                 self._take_query(item)
             case Presence("agent", robot, here):
-                if here:
-                    self._present.add(robot)
-                    self._gain(robot)
-                else:
-                    self._present.discard(robot)
-                    if self._reachable():
-                        self._lose(robot, "lost")
+                (self._roster.appear if here else self._roster.disappear)(robot)
             case _:
                 pass
 
@@ -210,7 +184,7 @@ class Driver:
         if isinstance(message, Status):
             world.hear(message)
             return
-        self._gain(message.sender)
+        self._roster.gain(message.sender)
         if world.mode == "realtime" or message.seq == world.k:
             self._commands[message.sender] = message
 
@@ -219,7 +193,7 @@ class Driver:
             operation = control.operation(decode(Request, query.payload))
         except EchelonError as error:
             if isinstance(error, WireError):
-                self._rejects.add("control", error)
+                self._reject("control", error)
             query.answer(encode(Reply(False, str(error))))
             return
         if isinstance(operation, control.GetSetup):  # agents need it to answer this very tick
@@ -227,126 +201,37 @@ class Driver:
         else:
             self._asked.append((operation, query))
 
-    def _gain(self, robot: int) -> None:
-        world = self._world
-        if robot in world.robots and robot not in world.live and robot in self._present:
-            world.live.add(robot)
-            world.event("agent", f"agent {robot} is here")
-
-    def _lose(self, robot: int, why: str) -> None:
-        if robot in self._world.live:
-            self._world.live.discard(robot)
-            self._world.event("agent", f"agent {robot} {why}")
-
-    def _reachable(self) -> bool:
-        """Whether the router is there and agents had time to come back after it was not."""
-        if not self._session.connected:
-            if self._lost_at is None:
-                self._world.event("run", "router lost: holding")
-            self._lost_at = monotonic()
-            return False
-        if self._lost_at is None:
-            return True
-        if self._world.live <= self._present or monotonic() - self._lost_at > RETURN_SECONDS:
-            self._lost_at = None
-            self._world.event("run", "router is back")
-            for robot in self._world.live - self._present:
-                self._lose(robot, "lost")
-            return True
-        return False
+    def _reject(self, key: str, error: WireError) -> None:
+        self._rejects.add(key, error)
+        self._orders.rejected = self._rejects.count
 
     # ------------------------------------------------------------------ people
 
-    def _choose_status(self) -> None:
-        world = self._world
-        if world.finished:
-            self._status, self._budget = "finished", None
-        elif not world.live or (world.k == 0 and set(world.robots) - world.live):
-            self._status = "waiting"
-        else:
-            self._status = "running" if self._go else "paused"
-
     def _answer_people(self) -> None:
-        """Do what was asked since the last tick."""
+        """Do what was asked since the last tick; what changes holds from the next tick on, for everyone."""
         while self._asked:
             operation, query = self._asked.popleft()
             try:
-                value = self._do(operation)
+                value = self._orders.obey(operation)
             except EchelonError as error:
                 query.answer(encode(Reply(False, str(error))))
             else:
                 query.answer(encode(Reply(True, value=value)))
-            self._state_due = monotonic()  # people see what they did at once
+            self._state_due = 0.0  # people see at once what they did
 
-    def _do(self, operation: Operation) -> dict[str, object]:
-        world = self._world
-        match operation:
-            case control.Start():
-                if world.finished:
-                    world.reset()
-                self._go, self._budget = True, None
-            case control.Pause():
-                self._go, self._budget = False, None
-            case control.Step(ticks=ticks):
-                self._go, self._budget = False, ticks
-            case control.Reset():
-                world.reset()
-            case control.Speed(speed=speed):
-                self._speed = speed
-            case control.SetFault(link=link, changes=changes, seconds=seconds):
-                world.change_fault(link, changes, seconds and world.now + seconds)
-            case control.SetPreset(link=link, preset=name, seconds=seconds):
-                world.change_fault(link, preset(name).model_dump(), seconds and world.now + seconds)
-            case control.Clear(link=link):
-                world.clear_faults(link)
-            case control.UseScenario(scenario=name, settings=settings):
-                self._use(load(name, settings))
-            case control.UseController(controller=name):
-                self._use(with_controller(world.scenario, name))
-            case control.Stop():
-                self._stop = True
-            case control.GetSummary(warmup=warmup):
-                wall = self._ended - self._began if self._began is not None else 0.0
-                return {**world.summary(warmup=warmup), "wall_s": wall, "overruns": self._overruns}
-        return {}
-
-    def _use(self, scenario: Scenario) -> None:
-        self._world.use(scenario)
-        self._world.live = self._present & set(self._world.robots)
-        self._budget = None
-
-    def _say_state(self, *, now: bool = False) -> None:
-        at = monotonic()
-        if at < self._state_due and not now:
+    def _say_state(self) -> None:
+        now = monotonic()
+        if now < self._state_due:
             return
-        self._state_due = at + STATE_INTERVAL
-        world = self._world
-        self._pace.append((at, world.now))
-        while self._pace[0][0] < at - 1.0 and len(self._pace) > 2:
-            self._pace.popleft()
-        (t0, s0), (t1, s1) = self._pace[0], self._pace[-1]
+        self._state_due = now + STATE_INTERVAL
         self._states += 1
-        state = world.state(
+        state = self._world.state(
             seq=self._states,
-            status=self._status,
-            speed=self._speed,
-            pace=max(0.0, (s1 - s0) / (t1 - t0)) if t1 > t0 else 0.0,
-            overruns=self._overruns,
+            status=self._orders.status,
+            speed=self._pace.speed,
+            pace=self._pace.measured(self._world.now),
+            overruns=self._pace.overruns,
             rejected=self._rejects.count,
-            waiting_for=sorted(set(world.robots) - world.live),
+            waiting_for=self._roster.missing,
         )
         self._session.publish(self._keys["state"], state)
-
-
-def with_controller(scenario: Scenario, name: str) -> Scenario:
-    """The scenario with another controller; weights and switches of the one before do not fit and are left out.
-
-    Raises:
-        ScenarioError: there is no such controller; the text lists them.
-    """
-    raw = scenario.model_dump(exclude_unset=True)
-    kept = {key: raw.get("controller", {})[key] for key in _SHARED if key in raw.get("controller", {})}
-    return parse({**raw, "controller": {**kept, "name": name}}, where="controller")
-
-
-_SHARED = ("horizon", "prediction_interval", "plan_every", "age_plans")

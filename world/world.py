@@ -26,7 +26,7 @@ from world.trace import Trace
 Mode = Literal["lockstep", "realtime"]
 
 WATCHDOG = 0.2
-"""A robot without a fresh command for so long stops [s], as a real base controller makes it."""
+"""A robot to which no new command has come for so long stops [s], as a real base controller makes it."""
 SHOWN_EVENTS = 40
 KEPT_EVENTS = 5000
 
@@ -119,7 +119,7 @@ class World:
         for robot in self.robots:
             command = commands.get(robot)
             if command is not None:
-                self._send(robot, command)
+                self._send(robot, command, now)
             self._receive(robot, now)
         inputs = np.array([self._input(robot, now) for robot in self.robots])
         self.plant.move(inputs)
@@ -130,10 +130,10 @@ class World:
         self._tick = None
         self._apply_faults()
 
-    def _send(self, robot: int, command: Command) -> None:
+    def _send(self, robot: int, command: Command, now: float) -> None:
         link = self._links[robot]
         if link.transparent:
-            self._newest[robot], self._fresh[robot] = command, command.stamp
+            self._newest[robot], self._fresh[robot] = command, now
         else:
             link.push(command.seq, command.stamp, command)
 
@@ -146,7 +146,7 @@ class World:
                 except WireError:
                     continue
             if robot not in self._newest or command.seq > self._newest[robot].seq:
-                self._newest[robot], self._fresh[robot] = command, command.stamp
+                self._newest[robot], self._fresh[robot] = command, now
 
     def _input(self, robot: int, now: float) -> tuple[float, float]:
         """The newest command, unless the watchdog holds the robot."""
@@ -208,7 +208,9 @@ class World:
         """An agent says how it is doing."""
         if status.epoch == self.epoch and status.sender in self.robots:
             self.statuses[status.sender] = status
-            if status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}":  # a peer may say anything
+            if (
+                status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}"
+            ):  # a peer may say anything
                 self.counts[status.link] = status.counts
 
     def setup(self) -> Setup:

@@ -1,0 +1,124 @@
+"""The central law: in lockstep, processes over the network fly exactly what one process flies."""
+
+import contextlib
+import json
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fleet import inprocess
+from fleet.processes import Plan, programs
+from fleet.runs import Claim
+from fleet.supervisor import Supervisor
+from formation.errors import WireError
+from formation.scenario import load
+from network import keys
+from network.codec import decode
+from network.control import GetSummary, Start
+from network.messages import State
+from network.session import Sample, Session
+from tests.processes.conftest import echelon, wait_for
+
+pytestmark = [pytest.mark.processes, pytest.mark.usefixtures("runs")]
+
+BURSTY = ("triangle-circle", ["faults=[{preset='bursty'}]", "duration=8"])
+JITTERY = ("figure8", ["link.latency=0.05", "link.jitter=0.04", "link.loss=0.2", "duration=8"])
+NOISY = (
+    "triangle-circle",
+    [
+        "noise={slip=0.2, gyro=0.2, position=0.001, heading=0.01}",
+        "faults=[{link='world->2', latency=0.1}, {link='3->world', loss=0.2}, {at=2, until=3, link='1->2', cut=true}]",
+        "link.corrupt=0.2",
+        "duration=5",
+    ],
+)
+
+
+def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None) -> dict[str, Any]:
+    """One flight as processes, started in an order drawn from `order`."""
+    scenario = load(name, settings)
+    with Claim("lockstep") as claim:
+        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, settings, speed=0.0, paused=True)
+        found = programs(plan, scenario)
+        random.Random(order).shuffle(found)
+        supervisor = Supervisor("lockstep", print)
+        try:
+            supervisor.start(found)
+            with Session(claim.endpoint, "lockstep") as session:
+                session.subscribe(keys.state("lockstep"))
+                wait_for(lambda: (r := session.ask(Start())) and r.ok)
+                if disturb is not None:
+                    disturb(session)
+
+                def finished() -> bool:
+                    supervisor.watch(0.0)
+                    item = session.inbox.get(timeout=30)
+                    with contextlib.suppress(WireError):
+                        return isinstance(item, Sample) and decode(State, item.payload).status == "finished"
+                    return False
+
+                wait_for(finished, 60.0)
+                if settle is not None:
+                    wait_for(lambda: (r := session.ask(GetSummary())) and settle(r.value))
+                reply = session.ask(GetSummary())
+                assert reply is not None
+                return reply.value
+        finally:
+            supervisor.stop()
+
+
+@pytest.mark.parametrize("flight", [BURSTY, JITTERY, NOISY], ids=["bursty", "jittery", "noisy"])
+def test_processes_fly_what_one_process_flies_in_any_start_order(flight: tuple[str, list[str]]) -> None:
+    alone = inprocess.fly(load(*flight))
+    for order in (1, 2):
+        together = fly(*flight, order=order)
+        assert together["trajectory_sha256"] == alone["trajectory_sha256"]
+        assert {link: f["lost"] for link, f in together["links"].items()} == {
+            link: f["lost"] for link, f in alone["links"].items()
+        }
+
+
+def test_a_loaded_machine_changes_nothing() -> None:
+    alone = inprocess.fly(load(*BURSTY))
+    burners = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(3)]
+    try:
+        assert fly(*BURSTY)["trajectory_sha256"] == alone["trajectory_sha256"]
+    finally:
+        for burner in burners:
+            burner.kill()
+            burner.wait()
+
+
+def test_garbage_on_every_topic_is_counted_and_changes_nothing() -> None:
+    name, settings = "triangle-circle", ["duration=10"]
+    draws = random.Random(7)
+    topics = [keys.tick, keys.state, keys.control]
+    robots = [keys.plan, keys.command, keys.status]
+    targets = [key("lockstep") for key in topics] + [key("lockstep", i) for key in robots for i in (1, 2, 3)]
+
+    def litter(session: Session) -> None:
+        import zenoh  # noqa: TID251  a stranger's session, which sends what no process of ours would
+
+        stranger = session._session
+        assert isinstance(stranger, zenoh.Session)
+        for _ in range(500):
+            for target in targets:
+                stranger.put(target, draws.randbytes(draws.randrange(0, 700)))
+
+    expected = 500 * 7  # commands and statuses of three robots, and control
+    together = fly(name, settings, disturb=litter, settle=lambda figures: figures["rejected"] == expected)
+    assert together["trajectory_sha256"] == inprocess.fly(load(name, settings))["trajectory_sha256"]
+
+
+def test_the_command_prints_the_same_figures_with_either_engine(runs: Path) -> None:
+    words = ["run", "circle", "--duration", "5", "--warmup", "1", "--json", "--faults", "wifi", "--seed", "3"]
+    one, many = (json.loads(echelon(*words, "--engine", engine).stdout) for engine in ("inprocess", "processes"))
+    varying = {"engine", "wall_s", "solve_s", "events", "overruns", "rejected"}
+    assert {k: v for k, v in one.items() if k not in varying} == {k: v for k, v in many.items() if k not in varying}
+    assert one["engine"] == "inprocess"
+    assert many["engine"] == "processes"
+    assert not list(runs.iterdir())

@@ -1,0 +1,80 @@
+"""A person's mistake is one line that says what there is to choose from; exit code 2, and nothing is left over."""
+
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.processes.conftest import Up, echelon, processes
+
+pytestmark = pytest.mark.processes
+
+MISTAKES = {
+    "scenario": (["run", "cirle"], ["scenario", "cirle", "figure8", "did you mean circle"]),
+    "file": (["run", "nowhere.toml"], ["nowhere.toml"]),
+    "controller": (["run", "--controller", "nsh"], ["controller.name", "nash", "paper", "leader_follower"]),
+    "preset": (["run", "--faults", "wify"], ["wifi", "congested", "wify"]),
+    "key": (["run", "--set", "link.latncy=1"], ["link.latncy", "latency"]),
+    "range": (["run", "--set", "link.loss=2"], ["link.loss", "at most 1", "2"]),
+    "link in a schedule": (["run", "--set", "faults=[{link='1->9'}]"], ["faults[0].link", "1->2"]),
+    "warmup": (["run", "--duration", "5", "--warmup", "9"], ["--warmup", "5", "9"]),
+    "speed": (["up", "--speed", "-1"], ["--speed", "-1"]),
+    "run name": (["up", "--run", "a/b"], ["--run", "a/b"]),
+    "no run for status": (["status"], ["echelon up"]),
+    "no run for fault": (["fault", "clear"], ["echelon up"]),
+    "no run for control": (["control", "pause"], ["echelon up"]),
+    "nothing to set": (["fault", "set"], ["--latency"]),
+    "fault out of range": (["fault", "set", "--loss", "300%"], ["loss", "at most 1"]),
+    "compose of a file": (["compose", "my.toml"], ["my.toml", "triangle-circle"]),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_mistake_is_one_line_with_the_choices(runs: Path, case: str) -> None:
+    words, expected = MISTAKES[case]
+    done = echelon(*words, check=2)
+    assert done.stdout == ""
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    for text in expected:
+        assert text in lines[0]
+    assert not list(runs.iterdir())
+    assert not processes(runs)
+
+
+def test_a_file_gets_one_line_per_mistake(runs: Path) -> None:
+    file = runs / "bad.toml"
+    file.write_text('name = "bad"\nseed = -1\n[path]\nkind = "circle"\nradius = -2\n[formation]\nshape = "blob"\n')
+    lines = echelon("run", str(file), check=2).stderr.strip().splitlines()
+    assert len(lines) == 3
+    assert all(key in text for key, text in zip(("seed", "path.radius", "formation.shape"), lines, strict=True))
+
+
+def test_a_taken_port_is_an_error(runs: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        lines = echelon("up", "--port", port, check=2).stderr.strip().splitlines()
+    assert len(lines) == 1
+    assert port in lines[0]
+    assert not processes(runs)
+
+
+def test_names_links_and_presets_of_a_live_run_are_checked(up: Callable[..., Up]) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    for words, expected in (
+        (["up", "--run", "test", "--no-dashboard"], "not in use"),
+        (["fault", "set", "--link", "1->3", "--cut"], "1->2, 2->3, 3->1"),
+        (["fault", "preset", "wify"], "wifi"),
+        (["control", "scenario", "nothing"], "triangle-circle"),
+        (["control", "controller", "nothing"], "leader_follower"),
+        (["status", "--run", "other"], "test"),
+    ):
+        done = echelon(*words, check=2)
+        assert expected in done.stderr
+        assert len(done.stderr.strip().splitlines()) == 1
+    assert run.flying()["faults"] == {}
+    run.end()

@@ -1,0 +1,126 @@
+"""A live run: what dies comes back, and nothing is left behind however it ends."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.processes.conftest import Up, echelon, processes, wait_for
+
+pytestmark = pytest.mark.processes
+Start = Callable[..., Up]
+
+
+def texts(up: Up) -> list[str]:
+    return [event["text"] for event in up.status().get("events", [])]
+
+
+def test_a_killed_agent_is_noticed_its_robot_stops_and_it_comes_back(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    os.kill(run.pid("agent 2"), signal.SIGKILL)
+    wait_for(lambda: texts(run).count("agent 2 is here") == 2)
+    seen = texts(run)
+    lost, back = seen.index("agent 2 lost"), len(seen) - 1 - seen[::-1].index("agent 2 is here")
+    assert lost < back
+    assert run.status()["stamp"] > 0
+
+    def closed() -> bool:
+        state = run.status()
+        return bool(state) and not state["stopped"] and max(abs(e) for e in state["distance_errors"]) < 2e-3
+
+    wait_for(closed)
+    run.end()
+
+
+def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
+    run = up("--no-dashboard")
+    before = run.flying()
+    os.kill(run.pid("router"), signal.SIGKILL)
+    wait_for(lambda: "router is back" in texts(run))
+    after = run.flying()
+    assert after["epoch"] == before["epoch"]
+    assert "agent 1 lost" not in texts(run)
+    wait_for(lambda: run.status()["stamp"] > after["stamp"] + 0.5)
+    run.end()
+
+
+def test_an_agent_that_hangs_is_left_behind_and_taken_back(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    pid = run.pid("agent 3")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        wait_for(lambda: 3 not in run.status().get("live", [3]))
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    wait_for(lambda: run.status().get("live") == [1, 2, 3])
+    run.end()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ending_it_leaves_nothing(up: Start, runs: Path, number: int) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    assert run.end(number) == 0
+    assert [path.name for path in runs.iterdir()] == ["up.log"]
+    # the fork server itself goes a moment after its last client
+    wait_for(lambda: not processes(runs), 5.0)
+
+
+def test_killing_it_leaves_nothing_after_five_seconds(up: Start, runs: Path) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    run.end(signal.SIGKILL)
+    wait_for(lambda: not processes(runs), 5.0)
+    assert [path.name for path in runs.iterdir()] == ["up.log"]
+
+
+def test_another_scenario_with_more_robots_gets_its_agents(up: Start) -> None:
+    run = up("circle", "--no-dashboard")
+    run.flying()
+    echelon("control", "scenario", "square-figure8")
+    wait_for(lambda: run.status().get("live") == [1, 2, 3, 4])
+    assert run.flying()["scenario"] == "square-figure8"
+    run.end()
+
+
+def test_time_obeys_the_commands(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    echelon("control", "pause")
+    held = run.status()["stamp"]
+    time.sleep(0.3)
+    assert run.status()["stamp"] == held
+    echelon("control", "step", "7")
+    assert wait_for(lambda: (s := run.status()["stamp"]) > held and s) == pytest.approx(held + 0.07)
+    echelon("control", "reset")
+    assert run.status()["stamp"] == 0.0
+    echelon("control", "speed", "5")
+    echelon("control", "start")
+    wait_for(lambda: run.status()["pace"] > 1.5)
+    echelon("control", "stop")
+    assert run.process.wait(20) == 0
+
+
+def test_faults_are_set_expire_and_clear(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    echelon("fault", "set", "--link", "1->2", "--latency", "300ms", "--loss", "30%", "--burst", "5")
+    assert run.status()["faults"] == {"1->2": {"latency": 0.3, "loss": 0.3, "burst": 5.0}}
+    echelon("fault", "preset", "wifi", "--link", "2->3", "--for", "1s")
+    assert set(run.status()["faults"]) == {"1->2", "2->3"}
+    wait_for(lambda: set(run.status()["faults"]) == {"1->2"})
+    echelon("fault", "clear")
+    assert run.status()["faults"] == {}
+    assert "healthy" in echelon("fault", "show").stdout
+    run.end()
+
+
+def test_in_real_time_a_short_flight_is_flown(runs: Path) -> None:
+    words = ["run", "--duration", "3", "--realtime", "--json"]
+    assert '"overruns"' in echelon(*words).stdout
+    assert not list(runs.iterdir())

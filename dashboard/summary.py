@@ -32,7 +32,9 @@ def head(seen: Seen, views: list[LinkView]) -> str:
         f'<span style="{MUTED};margin-left:auto;font-size:11px">{pace}{len(state.poses)} robots</span></div>'
     )
     more = f'<div style="{MUTED};margin-top:6px">{escape(note)}</div>' if note else ""
-    return f'<div style="{FONT};padding:4px 10px 10px">{line}{more}{_tiles(state, views)}{_chips(seen, views)}</div>'
+    return (
+        f'<div style="{FONT};padding:4px 14px 10px 10px">{line}{more}{_tiles(state, views)}{_chips(seen, views)}</div>'
+    )
 
 
 def condition(seen: Seen) -> tuple[str, str, str]:
@@ -79,16 +81,17 @@ def _chips(seen: Seen, views: list[LinkView]) -> str:
     assert state is not None
     n = len(state.poses)
     chips = ""
+    grid = "display:grid;grid-template-columns:repeat(auto-fit,minmax(58px,1fr))"
     for robot in range(1, n + 1):
         word = robot_word(state, robot)
         level = 1.0 if word != "OK" else views[robot - 2].level
         hue = colours.identity(robot, n)
         name = f"R{robot}" if word == "OK" else f"R{robot} {word}"
         chips += (
-            f'<span style="{_CARD};border-bottom:2px solid {light(level)};padding:2px 6px;flex:1 0 auto;'
+            f'<span style="{_CARD};border-bottom:2px solid {light(level)};padding:2px 4px;'
             f'text-align:center;white-space:nowrap"><span style="color:#{hue}">●</span> {name}</span>'
         )
-    return f'<div style="display:flex;flex-wrap:wrap;gap:4px;margin-top:6px;font-size:11px">{chips}</div>'
+    return f'<div style="{grid};gap:4px;margin-top:6px;font-size:11px">{chips}</div>'
 
 
 def robot_word(state: State, robot: int) -> str:

@@ -24,7 +24,7 @@ def matrix(seen: Seen, views: list[LinkView]) -> str:
     few = n <= MATRIX_ROBOTS
     note = "age of the newest plan" + (", sender row → receiver column" if few else "")
     title = f'<div style="padding:2px 0 4px"><b>Links</b> <span style="{MUTED}">{note}</span></div>'
-    return f'<div style="{FONT};padding:0 10px 8px">{title}{_square(n, views) if few else _list(views)}</div>'
+    return f'<div style="{FONT};padding:0 16px 8px 10px">{title}{_square(n, views) if few else _list(views)}</div>'
 
 
 def _list(views: list[LinkView]) -> str:

@@ -79,7 +79,7 @@ def plot_title(name: str, unit: str, marks: tuple[tuple[str, str], ...]) -> str:
     """The line above a plot: its name, its unit, and the colour and meaning of its series."""
     series = "".join(f'<span style="color:{colour};margin-left:10px">● {text}</span>' for colour, text in marks)
     return (
-        '<div style="display:flex;font-size:12px;padding:0 10px;margin-bottom:-8px">'
+        '<div style="display:flex;font-size:12px;padding:0 16px 0 10px;margin-bottom:-8px">'
         f'<b>{name}</b><span style="{MUTED};margin-left:8px">{unit}</span>'
         f'<span style="margin-left:auto;font-size:11px">{series}</span></div>'
     )

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from hypothesis import strategies as st
 from websockets.datastructures import Headers
 
 from dashboard import colours, faults, geometry, tables, words
+from dashboard.desk import Desk
 from dashboard.history import SERIES_POINTS, History
 from dashboard.layers import held_plans
 from dashboard.links import LOST_SECONDS, LinkView, links
@@ -20,7 +23,8 @@ from formation import unicycle
 from formation.errors import EchelonError
 from formation.faults import links_named
 from network.codec import encode
-from network.messages import Event, LinkCounts, Plan, State, Status
+from network.control import Operation, Pause, SetFault
+from network.messages import Event, LinkCounts, Plan, Reply, State, Status
 
 ROOT = Path(__file__).parents[1]
 
@@ -224,3 +228,60 @@ def test_a_wrong_port_is_a_mistake_of_the_users(port: str) -> None:
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     assert "expected a port from 0 to 65535" in done.stderr
+
+
+class _World:
+    """Answers as a world does."""
+
+    def __init__(self, reply: Reply | None) -> None:
+        self.reply, self.asked = reply, list[Operation]()
+
+    def ask(self, operation: Operation) -> Reply | None:
+        self.asked.append(operation)
+        return self.reply
+
+
+class _Feed:
+    def learn(self) -> None:
+        pass
+
+
+def _desk(world: _World, told: list[str]) -> Desk:
+    desk = Desk(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+    desk.start()
+    return desk
+
+
+def _wait(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + 20.0
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_refusal_is_told_to_the_page_that_asked() -> None:
+    told: list[str] = []
+    desk = _desk(_World(Reply(False, "latency: too long")), told)
+    desk.ask(Pause(), 3)
+    _wait(lambda: told == ["3 Not done: latency: too long"])
+    desk.stop()
+
+
+def test_silence_is_told_too() -> None:
+    told: list[str] = []
+    desk = _desk(_World(None), told)
+    desk.ask(Pause(), 3)
+    _wait(lambda: len(told) == 1 and "No answer" in told[0])
+    desk.stop()
+
+
+def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
+    world = _World(Reply(True))
+    desk = _desk(world, [])
+    for loss in (0.1, 0.2, 0.3):
+        desk.change(("1->2", "2->3"), {"loss": loss}, None, 1)
+    desk.ask(Pause(), 1)
+    _wait(lambda: len(world.asked) == 3)
+    desk.stop()
+    assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
+    assert world.asked[2] == Pause()

@@ -10,7 +10,7 @@ import numpy as np
 from formation.arrays import FloatArray
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, ConsoleMessage, Request
+    from playwright.sync_api import Browser, ConsoleMessage, Locator, Request
 
 THROTTLE_MS = 80
 """The page drops edits that follow each other faster than 50 ms."""
@@ -42,7 +42,7 @@ class Driven:
         self.url = url
         self.errors: list[str] = []
         self.requests: list[str] = []
-        self.page = browser.new_page(viewport={"width": 1280, "height": 800})
+        self.page = browser.new_page(viewport={"width": 1120, "height": 640})
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", self._note_request)
@@ -59,17 +59,17 @@ class Driven:
         """Load the page and wait until it shows robots."""
         self.url = url
         self.page.goto(f"{url}/?fixedDpr=1")
-        self.page.wait_for_function(READY, timeout=40_000)
+        self.page.wait_for_function(READY, timeout=60_000, polling=100)
 
     def text(self) -> str:
         """All that can be read."""
         return self.page.locator("body").inner_text()
 
-    def wait_text(self, pattern: str, seconds: float = 10.0) -> None:
+    def wait_text(self, pattern: str, seconds: float = 20.0) -> None:
         """Wait until this can be read."""
         self.until(lambda: re.search(pattern, self.text()) is not None, f"text {pattern!r}", seconds)
 
-    def until(self, holds: Callable[[], bool], what: str, seconds: float = 10.0) -> None:
+    def until(self, holds: Callable[[], bool], what: str, seconds: float = 20.0) -> None:
         """Wait until it holds."""
         end = time.monotonic() + seconds
         while not holds():
@@ -78,7 +78,7 @@ class Driven:
 
     def press(self, name: str) -> None:
         """Click a button."""
-        self.page.get_by_role("button", name=name, exact=True).click()
+        _click(self.page.get_by_role("button", name=name, exact=True))
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def _id(self, label: str) -> str:
@@ -88,13 +88,19 @@ class Driven:
 
     def choose(self, label: str, option: str) -> None:
         """Choose from a dropdown."""
-        self.page.locator(self._id(label)).click()
-        self.page.get_by_role("option", name=option, exact=True).click()
+        _click(self.page.locator(self._id(label)))
+        _click(self.page.get_by_role("option", name=option, exact=True))
         self.page.wait_for_timeout(THROTTLE_MS)
+
+    def chosen(self, label: str) -> str:
+        """What a dropdown says."""
+        return self.page.locator(self._id(label)).input_value()
 
     def tick(self, label: str, on: bool) -> None:
         """Set a checkbox."""
-        self.page.locator(self._id(label)).set_checked(on)
+        box = self.page.locator(self._id(label))
+        if box.is_checked() != on:
+            _click(box)
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def ticked(self, label: str) -> bool:
@@ -136,3 +142,9 @@ class Driven:
         cell = self.page.locator("table").first.locator("tr").nth(sender).locator("td").nth(receiver).inner_text()
         found = re.search(r"([\d.]+) (ms|s)", cell)
         return None if found is None else float(found[1]) * (1e-3 if found[2] == "ms" else 1.0)
+
+
+def _click(found: "Locator") -> None:
+    """Click without waiting for two still frames, which take seconds where the processor draws them."""
+    found.wait_for(state="attached", timeout=20_000)
+    found.evaluate("element => element.click()")

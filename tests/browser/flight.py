@@ -11,6 +11,7 @@ from typing import IO, Self
 
 from network import keys
 from network.codec import decode
+from network.control import Operation
 from network.messages import State
 from network.session import Sample, Session
 
@@ -83,6 +84,13 @@ class Flight:
                 item = session.inbox.get(timeout=seconds)
                 if isinstance(item, Sample):
                     return decode(State, item.payload)
+
+    def ask(self, operation: Operation) -> None:
+        """Have the world do something, as another page would."""
+        with Session(self.endpoint, RUN) as session:
+            reply = session.ask(operation, timeout=10.0)
+            assert reply is not None
+            assert reply.ok, reply.reason
 
     def pid(self, name: str) -> int:
         """Process id."""

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from dashboard import colours
+from network.control import SetFault, UseController
 from tests.browser.driven import Driven
 from tests.browser.flight import ROOT, RUN, Flight
 
@@ -40,8 +41,8 @@ def undisturbed(page: Driven) -> Iterator[None]:
     page.press("Clear faults")
     if page.page.get_by_role("button", name="Start", exact=True).count():
         page.press("Start")
-    page.wait_text("No faults")
-    page.wait_text("RUNNING")
+    page.wait_text("No faults", 30.0)
+    page.wait_text("RUNNING", 30.0)
 
 
 def test_the_page_comes_up_without_errors_or_requests_elsewhere(page: Driven) -> None:
@@ -104,15 +105,26 @@ def test_a_cut_link_is_lost_until_it_is_healed(page: Driven) -> None:
     assert "CUT" not in page.text()
 
 
-def test_what_the_world_refuses_is_said_and_not_shown(page: Driven) -> None:
+def test_a_fault_for_ten_seconds_ends_by_itself(page: Driven) -> None:
+    page.choose("Speed", "5 x")
     page.choose("Target", "1 → 2")
     page.tick("For 10 s", True)
     page.fill("Loss %", "50")
     page.wait_text(r"1→2\s+loss 50 %")
+    page.wait_text("No faults", 40.0)
+    page.until(lambda: page.number("Loss %") == "0", "loss 0 on the panel")
     page.tick("For 10 s", False)
-    page.choose("Controller", "paper")
-    page.wait_text("paper")
-    page.choose("Controller", "nash")
+    page.choose("Speed", "1 x real time")
+
+
+def test_controls_follow_the_world(page: Driven, flight: Flight) -> None:
+    page.choose("Controller", "leader_follower")
+    page.until(lambda: flight.state().controller == "leader_follower", "the controller in the world")
+    flight.ask(UseController(controller="nash"))
+    page.until(lambda: page.chosen("Controller") == "nash", "nash on the page")
+    flight.ask(SetFault(link="2->3", changes={"latency": 0.25}))
+    page.choose("Target", "2 → 3")
+    page.until(lambda: page.number("Latency ms") == "250", "latency 250 on the panel")
 
 
 def test_a_dashboard_that_is_started_again_shows_the_faults_in_force(page: Driven, flight: Flight) -> None:

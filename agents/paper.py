@@ -28,7 +28,7 @@ class Paper:
         self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
         self._r = np.array(own.r or R, dtype=float)
         self._mended = np.zeros(6, dtype=bool)
-        self._mended[own.errata] = True
+        self._mended[list(own.errata)] = True
         self._centre = np.array(pair.centre)
         if 6 in own.misprints and scenario.formation.shape == "triangle":
             self._centre = np.full(2, math.sqrt(3.0) / 6.0 * pair.distance)

@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
-    with _progress(scenario) as report:
+    with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options.warmup, report)
         else:
@@ -73,7 +73,7 @@ def _processes(
     raise EchelonError("the run was stopped before its end")
 
 
-class _progress:
+class _ProgressBar:
     """A progress bar on a terminal; silent elsewhere."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -100,7 +100,8 @@ def _print(summary: dict[str, Any]) -> None:
     console = Console()
     console.print(
         f"[bold]{summary['scenario']}[/] with {summary['controller']}, seed {summary['seed']}: "
-        f"{summary['duration']:g} s in {summary['wall_s']:.2f} s ({summary['engine']}), measured from {summary['warmup']:g} s"
+        f"{summary['duration']:g} s in {summary['wall_s']:.2f} s ({summary['engine']}), "
+        f"measured from {summary['warmup']:g} s"
     )
     errors = Table("pattern error", "rms mm", "median mm", "p95 mm", "max mm", "angle rms rad")
     for robot, figures in summary["robots"].items():

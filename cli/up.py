@@ -68,7 +68,8 @@ def _port(port: int) -> int:
             probe.bind((LOOPBACK, port))
         except (OSError, OverflowError):
             raise EchelonError(
-                f"--port: expected a free port of {LOOPBACK}; got {port}, which is taken or not allowed (0 takes any free one)"
+                f"--port: expected a free port of {LOOPBACK}; got {port}, which is taken or not allowed "
+                "(0 takes any free one)"
             ) from None
         return int(probe.getsockname()[1])
 

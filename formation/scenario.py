@@ -116,9 +116,9 @@ class Controller(Model):
     paper: x_e, y_e, theta_e, l_e, psi_e."""
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega."""
-    errata: list[Literal[1, 2, 3, 4, 5]] = []
+    errata: tuple[Literal[1, 2, 3, 4, 5], ...] = ()
     """Errata of the paper's algorithm that are mended in `paper`; none by default."""
-    misprints: list[Literal[6, 7]] = []
+    misprints: tuple[Literal[6, 7], ...] = ()
     """Errata of the paper's test data that are brought back in `paper`; without them the data follow from the
     offsets. 6: the virtual centre of the triangle. 7: psi_r of the second of two robots."""
     gains: tuple[Positive, Positive] = (0.1, 0.1)
@@ -150,7 +150,7 @@ class Scenario(Model):
     controller: Controller = Controller()
     link: Fault = Fault()
     """What every link between robots does unless a fault says otherwise."""
-    faults: list[ScheduledFault] = []
+    faults: tuple[ScheduledFault, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":

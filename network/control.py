@@ -62,7 +62,7 @@ class UseScenario(Model):
 
     scenario: str
     """A shipped name."""
-    settings: list[str] = []
+    settings: tuple[str, ...] = ()
     """key=value, as after --set."""
 
 

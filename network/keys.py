@@ -2,30 +2,37 @@
 
 
 def tick(run: str) -> str:
+    """The world's Tick."""
     return f"echelon/{run}/tick"
 
 
 def plan(run: str, robot: int | str) -> str:
+    """An agent's Plan."""
     return f"echelon/{run}/robot/{robot}/plan"
 
 
 def command(run: str, robot: int | str) -> str:
+    """An agent's Command."""
     return f"echelon/{run}/robot/{robot}/command"
 
 
 def status(run: str, robot: int | str) -> str:
+    """An agent's Status."""
     return f"echelon/{run}/robot/{robot}/status"
 
 
 def state(run: str) -> str:
+    """The world's State, for people."""
     return f"echelon/{run}/state"
 
 
 def control(run: str) -> str:
+    """Where the world answers Requests."""
     return f"echelon/{run}/control"
 
 
 def alive(run: str, role: str, number: int | str) -> str:
+    """The liveliness token of a process."""
     return f"echelon/{run}/alive/{role}/{number}"
 
 

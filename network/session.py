@@ -62,7 +62,7 @@ Incoming = Sample | Query | Presence | Wake
 
 
 def config(*, endpoint: str, router: bool) -> zenoh.Config:
-    """A session that talks to nobody but the router at `endpoint`: no scouting, no other listeners, no shared memory."""
+    """A session that talks to nobody but the router: no scouting, no other listeners, no shared memory."""
     settings: dict[str, Any] = {
         "mode": "router" if router else "client",
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 1},

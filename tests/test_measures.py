@@ -81,7 +81,7 @@ def test_pattern_errors_do_not_change_under_a_rigid_motion_of_the_whole_scene(
 
 
 @given(two_poses(), PLACE, PLACE, ANGLE, ANGLE, PLACE, PLACE)
-def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene(  # noqa: PLR0917
+def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene(
     pair: Any, x: Any, y: Any, theta: Any, angle: Any, dx: Any, dy: Any
 ) -> None:
     own, other = pair
@@ -95,7 +95,7 @@ def test_the_error_state_does_not_change_under_a_rigid_motion_of_the_whole_scene
 
 
 @given(two_poses(), PLACE, PLACE, ANGLE, ANGLE, st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
-def test_the_error_state_is_that_of_section_2_1(  # noqa: PLR0917
+def test_the_error_state_is_that_of_section_2_1(
     pair: Any, x_r: Any, y_r: Any, theta_r: Any, psi_r: Any, p_x: Any, p_y: Any
 ) -> None:
     (x_i, y_i, theta_i), (x_u, y_u, theta_u) = pair

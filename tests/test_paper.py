@@ -255,7 +255,7 @@ def test_erratum_4_as_printed_a_formation_lags_behind_and_mended_it_does_not() -
     assert lag(1, 2, 3, 4) < 0.005
 
 
-def dense_joint(  # noqa: PLR0917
+def dense_joint(
     a: FloatArray, bi: FloatArray, bu: FloatArray, c: FloatArray, z0: FloatArray, q: FloatArray, r: FloatArray
 ) -> FloatArray:
     """Inputs (N, 4) of both players that minimise eq. (4) along z+ = A z + B u + c, as one stacked problem."""

@@ -24,7 +24,7 @@ def near(a: tuple[float, ...], b: tuple[float, ...], tolerance: float = EXACT) -
     return all(abs(p - q) <= tolerance for p, q in zip(a, b, strict=True))
 
 
-def fine(x: float, y: float, theta: float, v: float, omega: float, dt: float, pieces: int) -> tuple[float, float]:  # noqa: PLR0917
+def fine(x: float, y: float, theta: float, v: float, omega: float, dt: float, pieces: int) -> tuple[float, float]:
     """Euler's rule, with the heading in the middle of every piece."""
     h = dt / pieces
     for n in range(pieces):
@@ -75,7 +75,7 @@ def test_no_time_changes_nothing(pose: Any, v: Any, omega: Any) -> None:
 
 
 @given(POSE, V, OMEGA, TIME, st.floats(-3, 3), st.floats(-2, 2), st.floats(-2, 2))
-def test_a_step_turns_and_moves_with_the_scene(  # noqa: PLR0917
+def test_a_step_turns_and_moves_with_the_scene(
     pose: Any, v: Any, omega: Any, dt: Any, angle: Any, dx: Any, dy: Any
 ) -> None:
     def moved(p: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -1,6 +1,7 @@
 """Live runs for tests: each in a folder of its own, with nothing left behind when a test ends."""
 
 import contextlib
+import ctypes
 import json
 import os
 import shutil
@@ -77,6 +78,11 @@ def wait_for(what: Callable[[], Any], seconds: float = WAIT_SECONDS) -> Any:
     raise AssertionError(f"still not so after {seconds:g} s: {what}")
 
 
+def _die_with_parent() -> None:
+    """In the child: SIGKILL when the test process dies, however it does (Linux)."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+
+
 class Up:
     """`echelon up` in a process of its own."""
 
@@ -87,7 +93,7 @@ class Up:
             [sys.executable, "-m", "cli.main", "up", "--run", "test", *words],
             stdout=self.log,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
+            preexec_fn=_die_with_parent,  # noqa: PLW1509  it only makes one system call
         )
 
     def status(self) -> dict[str, Any]:

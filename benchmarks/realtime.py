@@ -1,0 +1,128 @@
+"""Real time on this machine: missed ticks, memory per agent, and the time from the command to flying.
+
+python benchmarks/realtime.py [--robots 8] [--seconds 60] [--json]
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+RUN = "benchmark"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robots", type=int, default=8)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="ech") as folder:
+        os.environ["ECHELON_RUNS"] = folder
+        figures = {"start_s": _start_up(), **_real_time(options.robots, options.seconds)}
+    if options.json:
+        print(json.dumps(figures))
+        return
+    print(f"up with three robots is flying {figures['start_s']:.2f} s after the command")
+    print(
+        f"real time, {options.robots} agents at 100 Hz for {options.seconds:g} s: {figures['missed_share']:.3%} of ticks "
+        f"missed (worst agent {figures['missed_share_worst']:.3%}), world overran {figures['overrun_share']:.3%}"
+    )
+    print(f"memory per agent (PSS): median {figures['pss_mb']:.0f} MB, largest {figures['pss_mb_max']:.0f} MB")
+
+
+def _start_up() -> float:
+    """From `echelon up` (with its page) to simulated time that passes [s]."""
+    began = time.perf_counter()
+    with _up("triangle-circle", "--port", "0") as up:
+        while _state().get("stamp", 0.0) <= 0.0:
+            if up.poll() is not None:
+                raise SystemExit("echelon up ended early")
+        return time.perf_counter() - began
+
+
+def _real_time(robots: int, seconds: float) -> dict[str, float]:
+    shape = ["--set", "formation.shape=polygon", "--set", f"formation.robots={robots}"]
+    with _up("circle", "--realtime", "--no-dashboard", *shape) as up:
+        while _state().get("status") != "running":
+            time.sleep(0.2)
+        first = _state()
+        print(f"flying for {seconds:g} s ...", file=sys.stderr, flush=True)
+        memory = []
+        for _ in range(3):
+            time.sleep(seconds / 3)
+            memory.append(_memory(up.pid))
+        last = _state()
+        missed = _missed(robots)
+    ticks = (last["stamp"] - first["stamp"]) / 0.01
+    pss = [value for sample in memory for value in sample]
+    return {
+        "ticks": ticks,
+        "missed_share": sum(missed) / (ticks * robots),
+        "missed_share_worst": max(missed) / ticks,
+        "overrun_share": (last["overruns"] - first["overruns"]) / ticks,
+        "pss_mb": statistics.median(pss),
+        "pss_mb_max": max(pss),
+    }
+
+
+def _memory(launcher: int) -> list[float]:
+    """PSS of every agent [MB]."""
+    found = []
+    for process in psutil.Process(launcher).children(recursive=True):
+        with contextlib.suppress(psutil.Error):
+            if process.cmdline()[:1] and process.cmdline()[0].startswith(f"echelon {RUN}: agent"):
+                found.append(process.memory_full_info().pss / 1e6)
+    return found
+
+
+def _missed(robots: int) -> list[int]:
+    """Ticks that each agent missed, as it says itself."""
+    from fleet.runs import find
+    from network import keys
+    from network.codec import decode
+    from network.messages import Status
+    from network.session import Sample, Session
+
+    run = find(RUN)
+    counts: dict[int, int] = {}
+    with Session(run.endpoint, RUN) as session:
+        session.subscribe(keys.status(RUN, "*"))
+        while len(counts) < robots:
+            item = session.inbox.get(timeout=5.0)
+            if isinstance(item, Sample):
+                status = decode(Status, item.payload)
+                counts[status.sender] = status.missed
+    return list(counts.values())
+
+
+def _state() -> dict[str, Any]:
+    command = [sys.executable, "-m", "cli.main", "status", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return json.loads(done.stdout) if done.returncode == 0 else {}
+
+
+@contextlib.contextmanager
+def _up(*words: str) -> Any:
+    log = (Path(os.environ["ECHELON_RUNS"]) / "log").open("w")
+    up = subprocess.Popen([sys.executable, "-m", "cli.main", "up", "--run", RUN, *words], stdout=log, stderr=log)
+    try:
+        yield up
+    finally:
+        up.terminate()
+        up.wait(20)
+        log.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -21,8 +21,13 @@ RESTART_SECONDS = 0.2
 """A process that died is started again so much later."""
 MAX_DEATHS, DEATH_WINDOW = 5, 10.0
 """A process that dies more often within the window [s] is given up, and the run with it."""
-THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""Set to 1 for the processes of a run: small matrices gain nothing from threads, and threads do not survive a fork."""
+_ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
+ENVIRONMENT = {
+    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"),
+    "ZENOH_RUNTIME": "(" + ", ".join(f"{stage}: (worker_threads: 1)" for stage in _ZENOH_STAGES) + ")",
+}
+"""For the processes of a run: small matrices gain nothing from threads, and threads do not survive a fork; and a
+process with two or three links is served faster by one thread per stage of Zenoh than by several."""
 
 
 class Supervisor:
@@ -35,8 +40,8 @@ class Supervisor:
             run: its name, for the processes' titles.
             tell: told a line when a process dies and comes back.
         """
-        for variable in THREAD_VARIABLES:
-            os.environ.setdefault(variable, "1")
+        for variable, value in ENVIRONMENT.items():
+            os.environ.setdefault(variable, value)
         self._run, self._tell = run, tell
         self._context = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["fleet.preload"])

@@ -84,7 +84,7 @@ class Link(Generic[T]):
 
     @fault.setter
     def fault(self, fault: Fault) -> None:
-        self._fault = PERFECT if fault == PERFECT else fault
+        self._fault = PERFECT if fault is PERFECT or fault == PERFECT else fault
 
     @property
     def transparent(self) -> bool:

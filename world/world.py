@@ -73,7 +73,7 @@ class World:
         self._planned: list[int] = []
         self._held: set[int] = set()
         self._tick: Tick | None = None
-        self._apply_faults()
+        self._set_link_faults()
 
     # ------------------------------------------------------------------ what it is
 
@@ -158,9 +158,14 @@ class World:
         return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
 
     def _apply_faults(self) -> None:
-        for line in self.faults.update(self.now):
-            self.revision += 1
+        lines = self.faults.update(self.now)
+        for line in lines:
             self.event("fault", line)
+        if lines:
+            self.revision += 1
+            self._set_link_faults()
+
+    def _set_link_faults(self) -> None:
         for robot, link in self._links.items():
             link.fault = self.faults.table.get(f"{robot}->world", PERFECT)
 
@@ -173,7 +178,7 @@ class World:
         overrides.restart()
         overrides.update(0.0)
         self.faults = overrides
-        self._apply_faults()
+        self._set_link_faults()
         self.event("run", "reset")
 
     def use(self, scenario: Scenario) -> None:

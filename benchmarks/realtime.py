@@ -17,6 +17,13 @@ from typing import Any
 
 import psutil
 
+from fleet.compiling import ensure_compiled
+from fleet.runs import find
+from network import keys
+from network.codec import decode
+from network.messages import State, Status
+from network.session import Sample, Session
+
 RUN = "benchmark"
 
 
@@ -27,6 +34,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
+    ensure_compiled(print)
     with tempfile.TemporaryDirectory(prefix="ech") as folder:
         os.environ["ECHELON_RUNS"] = folder
         figures = {"start_s": _start_up(), **_real_time(options.robots, options.seconds)}
@@ -44,11 +52,18 @@ def main() -> None:
 def _start_up() -> float:
     """From `echelon up` (with its page) to simulated time that passes [s]."""
     began = time.perf_counter()
+    socket = Path(os.environ["ECHELON_RUNS"]) / RUN / "router.sock"
     with _up("triangle-circle", "--port", "0") as up:
-        while _state().get("stamp", 0.0) <= 0.0:
+        while not socket.exists():
+            time.sleep(0.01)
             if up.poll() is not None:
                 raise SystemExit("echelon up ended early")
-        return time.perf_counter() - began
+        with Session(f"unixsock-stream/{socket}", RUN) as session:
+            session.subscribe(keys.state(RUN))
+            while True:
+                item = session.inbox.get(timeout=30.0)
+                if isinstance(item, Sample) and decode(State, item.payload).stamp > 0.0:
+                    return time.perf_counter() - began
 
 
 def _real_time(robots: int, seconds: float) -> dict[str, float]:
@@ -88,12 +103,6 @@ def _memory(launcher: int) -> list[float]:
 
 def _missed(robots: int) -> list[int]:
     """Ticks that each agent missed, as it says itself."""
-    from fleet.runs import find
-    from network import keys
-    from network.codec import decode
-    from network.messages import Status
-    from network.session import Sample, Session
-
     run = find(RUN)
     counts: dict[int, int] = {}
     with Session(run.endpoint, RUN) as session:

@@ -1,5 +1,6 @@
 """The live runs of this machine: a private folder each, with the router's socket and who leads it."""
 
+import contextlib
 import fcntl
 import json
 import os
@@ -11,6 +12,8 @@ from typing import IO, Self
 
 from formation.errors import EchelonError, unknown
 
+VARIABLE = "ECHELON_RUNS"
+"""Environment variable that names another folder for runs."""
 SOCKET_PATH_LIMIT = 107
 """Bytes that the path of a unix socket may have."""
 
@@ -30,7 +33,7 @@ class Run:
 
 def folder() -> Path:
     """Where this user's runs are: $ECHELON_RUNS, or a folder for temporary files of the user's own."""
-    given = os.environ.get("ECHELON_RUNS")
+    given = os.environ.get(VARIABLE)
     base = Path(given) if given else Path(tempfile.gettempdir()) / f"echelon-{os.getuid()}"
     base.mkdir(mode=0o700, parents=True, exist_ok=True)
     if base.stat().st_uid != os.getuid():
@@ -67,6 +70,9 @@ class Claim:
         shutil.rmtree(self.path, ignore_errors=True)
         if self._lock is not None:
             self._lock.close()
+        if not os.environ.get(VARIABLE):
+            with contextlib.suppress(OSError):  # other runs are in it
+                self.path.parent.rmdir()
 
 
 def live() -> list[Run]:

@@ -24,10 +24,12 @@ MAX_DEATHS, DEATH_WINDOW = 5, 10.0
 _ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
 ENVIRONMENT = {
     **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"),
+    "SPT_NOENV": "1",
     "ZENOH_RUNTIME": "(" + ", ".join(f"{stage}: (worker_threads: 1)" for stage in _ZENOH_STAGES) + ")",
 }
 """For the processes of a run: small matrices gain nothing from threads, and threads do not survive a fork; and a
-process with two or three links is served faster by one thread per stage of Zenoh than by several."""
+process with two or three links is served faster by one thread per stage of Zenoh than by several; and titles leave the
+environment readable from outside."""
 
 
 class Supervisor:

@@ -1,10 +1,13 @@
 """The router process of a run."""
 
 import argparse
+import contextlib
 import logging
+import os
 import shutil
 import sys
 import threading
+from pathlib import Path
 
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
@@ -30,6 +33,9 @@ def main(arguments: list[str] | None = None) -> int:
     router.close()
     if options.folder:
         shutil.rmtree(options.folder, ignore_errors=True)
+        if not os.environ.get("ECHELON_RUNS"):
+            with contextlib.suppress(OSError):  # other runs are beside it
+                Path(options.folder).parent.rmdir()
     return 0
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import random
 import subprocess
 import sys
@@ -38,8 +39,8 @@ NOISY = (
 )
 
 
-GARBAGE = 300
-"""Payloads on each topic."""
+GARBAGE = int(os.environ.get("ECHELON_GARBAGE", "300"))
+"""Payloads on each topic; tried with 10000 too, which takes some minutes."""
 
 
 def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None) -> dict[str, Any]:

@@ -1,8 +1,11 @@
 """A live run: what dies comes back, and nothing is left behind however it ends."""
 
+import contextlib
 import os
+import re
 import signal
 import time
+import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
@@ -48,6 +51,24 @@ def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
     run.end()
 
 
+def test_a_killed_dashboard_comes_back_at_the_same_address(up: Start) -> None:
+    run = up("--port", "0")
+    run.flying()
+    address = wait_for(lambda: re.search(r"dashboard: (http://\S+)", run.text()))[1]
+
+    def answers() -> bool:
+        with contextlib.suppress(OSError), urllib.request.urlopen(address, timeout=5) as page:
+            return bool(page.status == 200)
+        return False
+
+    wait_for(answers)
+    os.kill(run.pid("dashboard"), signal.SIGKILL)
+    wait_for(lambda: run.text().count(f"dashboard: {address}") == 2)
+    wait_for(answers)
+    assert run.end() == 0
+    assert not answers()
+
+
 def test_an_agent_that_hangs_is_left_behind_and_taken_back(up: Start) -> None:
     run = up("--no-dashboard")
     run.flying()
@@ -65,6 +86,7 @@ def test_an_agent_that_hangs_is_left_behind_and_taken_back(up: Start) -> None:
 def test_ending_it_leaves_nothing(up: Start, runs: Path, number: int) -> None:
     run = up("--no-dashboard")
     run.flying()
+    assert len(processes(runs)) >= 6  # launcher, router, world and three agents are seen at all
     assert run.end(number) == 0
     assert [path.name for path in runs.iterdir()] == ["up.log"]
     # the fork server itself goes a moment after its last client
@@ -74,6 +96,7 @@ def test_ending_it_leaves_nothing(up: Start, runs: Path, number: int) -> None:
 def test_killing_it_leaves_nothing_after_five_seconds(up: Start, runs: Path) -> None:
     run = up("--no-dashboard")
     run.flying()
+    assert len(processes(runs)) >= 6
     run.end(signal.SIGKILL)
     wait_for(lambda: not processes(runs), 5.0)
     assert [path.name for path in runs.iterdir()] == ["up.log"]
@@ -111,7 +134,7 @@ def test_faults_are_set_expire_and_clear(up: Start) -> None:
     run.flying()
     echelon("fault", "set", "--link", "1->2", "--latency", "300ms", "--loss", "30%", "--burst", "5")
     assert run.status()["faults"] == {"1->2": {"latency": 0.3, "loss": 0.3, "burst": 5.0}}
-    echelon("fault", "preset", "wifi", "--link", "2->3", "--for", "1s")
+    echelon("fault", "preset", "wifi", "--link", "2->3", "--for", "6s")
     assert set(run.status()["faults"]) == {"1->2", "2->3"}
     wait_for(lambda: set(run.status()["faults"]) == {"1->2"})
     echelon("fault", "clear")

@@ -8,7 +8,7 @@ import numba
 from agents.cache import cache_folder, fetch_prebuilt
 
 fetch_prebuilt()
-numba.config.CACHE_DIR = str(cache_folder())
+setattr(numba.config, "CACHE_DIR", str(cache_folder()))  # noqa: B010  the module has no types
 
 REAL, WHOLE, NOTHING = numba.float64, numba.int64, numba.void
 VECTOR, MATRIX, TABLE = (numba.types.Array(REAL, n, "C", readonly=True) for n in (1, 2, 3))

@@ -88,7 +88,7 @@ def _rms(job: Job) -> float:
     """Worst robot's RMS l_e [mm]."""
     name, settings, warmup = job
     robots: dict[str, Any] = fly(load(name, settings), warmup=warmup)["robots"]
-    return 1e3 * max(figures["distance_error_m"]["rms"] for figures in robots.values())
+    return 1e3 * max(float(figures["distance_error_m"]["rms"]) for figures in robots.values())
 
 
 def _counted(results: Iterable[float], total: int) -> Iterable[float]:

@@ -43,8 +43,9 @@ def main() -> None:
         return
     print(f"up with three robots is flying {figures['start_s']:.2f} s after the command")
     print(
-        f"real time, {options.robots} agents at 100 Hz for {options.seconds:g} s: {figures['missed_share']:.3%} of ticks "
-        f"missed (worst agent {figures['missed_share_worst']:.3%}), world overran {figures['overrun_share']:.3%}"
+        f"real time, {options.robots} agents at 100 Hz for {options.seconds:g} s: "
+        f"{figures['missed_share']:.3%} of ticks missed "
+        f"(worst agent {figures['missed_share_worst']:.3%}), world overran {figures['overrun_share']:.3%}"
     )
     print(f"memory per agent (PSS): median {figures['pss_mb']:.0f} MB, largest {figures['pss_mb_max']:.0f} MB")
 

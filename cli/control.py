@@ -7,6 +7,7 @@ from cli.talk import ask
 from formation.errors import EchelonError
 from network import control
 from network.control import Operation
+from network.messages import Request
 
 _ACTIONS = {
     "start": "run, or go on",
@@ -53,7 +54,7 @@ def _operation(action: str, value: str) -> Operation:
         case "controller":
             return control.UseController(controller=value)
         case _:
-            return control.OPERATIONS[action]()
+            return control.operation(Request(action))
 
 
 def _number(action: str, value: str, kind: type[int] | type[float]) -> float:

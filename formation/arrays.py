@@ -6,6 +6,11 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 
+def timeline(first: int, last: int, interval: float) -> FloatArray:
+    """Times of ticks first .. last - 1, `interval` apart [s]."""
+    return np.arange(first, last, dtype=np.float64) * interval
+
+
 def frozen(values: ArrayLike) -> FloatArray:
     """A read-only, contiguous float64 copy."""
     array = np.array(values, dtype=np.float64, order="C")

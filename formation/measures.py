@@ -28,7 +28,7 @@ def pattern_errors(poses: FloatArray, pattern: Pattern, theta_r: FloatArray) -> 
     other = np.roll(poses, 1, axis=-2)
     dx, dy = poses[..., 0] - other[..., 0], poses[..., 1] - other[..., 1]
     angle = theta_r[..., None] + pattern.angle - np.arctan2(dx, -dy)
-    return pattern.distance - np.hypot(dx, dy), wrapped(angle)
+    return np.subtract(pattern.distance, np.hypot(dx, dy)), wrapped(angle)
 
 
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:

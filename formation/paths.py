@@ -89,8 +89,8 @@ class Spiral(Path):
     """[rad/s]."""
 
     def position(self, t: FloatArray) -> FloatArray:
-        phase = self.rate * t
-        return (self.growth * t)[..., None] * np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+        phase, radius = self.rate * t, self.growth * t
+        return np.stack([radius * np.cos(phase), radius * np.sin(phase)], axis=-1)
 
 
 class Corner(Path):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, timeline
 from formation.measures import wrapped
 from formation.paths import Path, heading
 from formation.pattern import rotate
@@ -63,7 +63,7 @@ class Reference:
 
     def _rows(self, first: int, count: int) -> Block:
         interval = self._stride * self._tick
-        t = np.arange(first, first + count + self._stride) * self._tick
+        t = timeline(first, first + count + self._stride, self._tick)
         centre, theta = self._path.position(t), heading(self._path, t, interval)
         moved = centre[self._stride :] - centre[: -self._stride]
         turned = wrapped(theta[self._stride :] - theta[: -self._stride])

@@ -52,7 +52,7 @@ class Spline:
         if self.closed:
             return points
         end = np.where((s < 0.0)[..., None], self.slopes[0], self.slopes[-1])
-        return points + (s - inside)[..., None] * end
+        return np.asarray(points + (s - inside)[..., None] * end)
 
     def by_arc_length(self) -> "Spline":
         """The same curve (up to a fine resampling) with arc length [m] as its parameter."""

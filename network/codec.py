@@ -31,7 +31,7 @@ from network.messages import (
 
 MAX_BYTES = 1 << 20
 _CRC = struct.Struct("<I")
-_TYPES: dict[str, type[Message]] = {
+_TYPES: dict[str, type[Any]] = {
     "tick": Tick,
     "plan": Plan,
     "command": Command,
@@ -41,8 +41,10 @@ _TYPES: dict[str, type[Message]] = {
     "request": Request,
     "reply": Reply,
 }
-_NAMES = {kind: name for name, kind in _TYPES.items()}
-_FIELDS = {kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)}
+_NAMES: dict[type[Any], str] = {kind: name for name, kind in _TYPES.items()}
+_FIELDS: dict[type[Any], tuple[str, ...]] = {
+    kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)
+}
 _ADAPTERS: dict[type, TypeAdapter[Any]] = {kind: TypeAdapter(kind) for kind in _NAMES}
 
 M = TypeVar("M", bound=Message)

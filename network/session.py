@@ -123,7 +123,7 @@ class Session:
 
     def unsubscribe(self, key: str) -> None:
         """No more samples on this key expression, which was subscribed to before."""
-        self._subscribers.pop(key).undeclare()
+        self._subscribers.pop(key).undeclare()  # type: ignore[no-untyped-call]
 
     def announce(self, key: str, *, reliable: bool = False) -> None:
         """Prepare to publish on `key`, so that the first message finds its listeners.

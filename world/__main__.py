@@ -10,7 +10,7 @@ from formation.scenario import load
 from network.lifetime import Lifetime
 from network.session import Session
 from world.process import Driver
-from world.world import World
+from world.world import Mode, World
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -32,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.
             epoch = secrets.randbits(32)
-            mode = "realtime" if options.realtime else "lockstep"
+            mode: Mode = "realtime" if options.realtime else "lockstep"
             world = World(scenario, epoch=epoch, endless=options.endless, mode=mode)
             Driver(session, world, lifetime, speed=options.speed, start=not options.paused).run()
     except EchelonError as error:

@@ -38,7 +38,7 @@ class Plant:
             v = v * (1.0 + self._noise.slip * n[:, 0])
             omega = omega * (1.0 + self._noise.slip * n[:, 1]) + self._noise.gyro * n[:, 2]
         moved = [
-            unicycle.step(*pose, a, b, self._dt)
-            for pose, a, b in zip(self.poses.tolist(), v.tolist(), omega.tolist(), strict=True)
+            unicycle.step(x, y, theta, a, b, self._dt)
+            for (x, y, theta), a, b in zip(self.poses.tolist(), v.tolist(), omega.tolist(), strict=True)
         ]
         self.poses = frozen(moved)

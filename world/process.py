@@ -174,7 +174,7 @@ class Driver:
 
     def _take_sample(self, key: str, payload: bytes) -> None:
         world = self._world
-        message: Command | Status = decode(Command if key.endswith("/command") else Status, payload)
+        message = decode(Command, payload) if key.endswith("/command") else decode(Status, payload)
         if message.sender != keys.robot_of(key):
             raise WireError(f"expected the sender named in the key; got {message.sender}")
         if message.sender not in world.robots or message.epoch != world.epoch:

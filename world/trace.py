@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, timeline
 from formation.measures import pattern_errors, tracking_error
 from formation.paths import heading
 from formation.scenario import Scenario
@@ -56,7 +56,7 @@ class Trace:
         scenario, done = self._scenario, self._done
         first = min(done, max(0, round(warmup / scenario.control_interval)))
         poses = self._poses[: done + 1]
-        t = np.arange(first, done + 1) * scenario.control_interval
+        t = timeline(first, done + 1, scenario.control_interval)
         theta = heading(scenario.path, t, scenario.controller.prediction_interval)
         distance, angle = pattern_errors(poses[first:], scenario.pattern, theta)
         tracking = tracking_error(poses[first:], scenario.path.position(t))

@@ -115,7 +115,7 @@ class Up:
             for process in processes(self.folder):
                 with contextlib.suppress(psutil.Error):
                     if process.cmdline()[:1] == [f"echelon test: {title}"]:
-                        return process.pid
+                        return int(process.pid)
             return None
 
         return int(wait_for(find))

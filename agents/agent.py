@@ -84,7 +84,8 @@ class Agent:
         """
         if plan.epoch == self.epoch and plan.sender == self.upstream and plan.seq > self._heard:
             self._heard = plan.seq
-            self._plans.push(plan.seq, plan.stamp, plan)
+            # Bursts are counted in messages, and there is one every `planning` ticks.
+            self._plans.push(plan.seq // self.planning, plan.stamp, plan)
 
     def step(self, k: int, stamp: float, pose: FloatArray) -> Answer:
         """Answer tick k.

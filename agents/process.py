@@ -24,6 +24,8 @@ STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
 RETRY_SECONDS = 0.2
 """Between two tries to hear from the world."""
+MAX_AHEAD = 1.0
+"""A plan may be stamped so far ahead of the newest tick [s]."""
 KEPT_PLANS = 256
 """Plans that wait for their tick; older ones go first."""
 
@@ -82,6 +84,9 @@ class Mind:
             plan = decode(Plan, sample.payload)
             if plan.sender != keys.robot_of(sample.key):
                 raise WireError(f"expected the sender named in the key; got {plan.sender}")
+            now = self._last_tick
+            if now is not None and plan.epoch == now.epoch and plan.stamp > now.stamp + MAX_AHEAD:
+                raise WireError(f"expected a stamp up to {now.stamp:g} s; got {plan.stamp:g} s")
             self._plans.append(plan)
         except WireError as error:
             self._rejects.add(sample.key, error)

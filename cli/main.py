@@ -4,6 +4,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 COMMANDS = {
     "up": "fly a formation live: start its processes and the dashboard",
@@ -18,6 +19,15 @@ COMMANDS = {
 """Every command is a module of this room with `arguments(parser)` and `run(options)`."""
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and end with exit code 2."""
+        print(f"{self.prog}: {message} ({self.prog} --help)", file=sys.stderr)
+        sys.exit(2)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
 
@@ -25,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command says.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="echelon", description="Formations of wheeled robots whose minds are separate processes."
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)

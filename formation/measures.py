@@ -33,7 +33,7 @@ def pattern_errors(poses: FloatArray, pattern: Pattern, theta_r: FloatArray) -> 
 
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:
     """Distance (...) of the robots' mean position to the reference point (..., 2) [m]."""
-    gap = poses[..., :2].mean(axis=-2) - centre
+    gap: FloatArray = poses[..., :2].mean(axis=-2) - centre
     return np.hypot(gap[..., 0], gap[..., 1])
 
 

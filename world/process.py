@@ -177,8 +177,10 @@ class Driver:
         message = decode(Command, payload) if key.endswith("/command") else decode(Status, payload)
         if message.sender != keys.robot_of(key):
             raise WireError(f"expected the sender named in the key; got {message.sender}")
-        if message.sender not in world.robots or message.epoch != world.epoch:
-            return  # an agent that has not yet heard of the flight or scenario of now
+        if message.epoch != world.epoch:
+            return  # an agent that has not yet heard of the flight of now
+        if message.sender not in world.robots:
+            raise WireError(f"expected a robot of the scenario, 1 to {world.scenario.size}; got {message.sender}")
         if message.stamp > world.now + MAX_AHEAD:
             raise WireError(f"expected a stamp up to {world.now:g} s; got {message.stamp:g} s")
         if isinstance(message, Status):

@@ -26,6 +26,9 @@ MISTAKES = {
     "no run for control": (["control", "pause"], ["echelon up"]),
     "nothing to set": (["fault", "set"], ["--latency"]),
     "fault out of range": (["fault", "set", "--loss", "300%"], ["loss", "at most 1"]),
+    "command": (["fly"], ["fly", "scenarios"]),
+    "number": (["up", "--port", "eighty"], ["--port", "eighty"]),
+    "engine": (["run", "--engine", "steam"], ["processes", "inprocess", "steam"]),
     "compose of a file": (["compose", "my.toml"], ["my.toml", "triangle-circle"]),
 }
 

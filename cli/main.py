@@ -35,9 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command says.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = _Parser(
-        prog="echelon", description="Formations of wheeled robots whose minds are separate processes."
-    )
+    parser = _Parser(prog="echelon", description="Formations of wheeled robots whose minds are separate processes.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")

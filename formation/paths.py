@@ -12,7 +12,7 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray
 from formation.model import Model, Positive
-from formation.spline import Spline
+from formation.spline import Spline, Travel
 
 
 class Path(Model):
@@ -140,7 +140,7 @@ class Waypoints(Path):
         return self
 
     @cached_property
-    def _curve(self) -> Spline:
+    def _curve(self) -> Travel:
         return Spline.through(np.array(self.points), closed=self.closed).by_arc_length()
 
     @property

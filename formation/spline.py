@@ -6,14 +6,16 @@ import numpy as np
 
 from formation.arrays import FloatArray
 
-SAMPLES_PER_SEGMENT = 16
-"""Knots per waypoint segment after reparametrising by arc length; speed then varies by some tenths of a percent on
-gentle curves, by some percent at a waypoint with a sharp bend."""
+PIECES = 64
+"""Pieces per segment between two waypoints, on which arc length is integrated and inverted."""
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
+LEAST_SPEED = 1e-9
+"""Where a curve stands still (a cusp), so that its inverse stays finite."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spline:
-    """Piecewise cubic through knots; linear beyond an open end, periodic if closed."""
+    """Piecewise cubic through knots; straight on beyond an open end, periodic if closed."""
 
     knots: FloatArray
     """(M,) increasing parameter values, the first is 0."""
@@ -25,7 +27,7 @@ class Spline:
 
     @property
     def length(self) -> float:
-        """The last parameter value: the length [m] once parametrised by arc length."""
+        """The last parameter value."""
         return float(self.knots[-1])
 
     @classmethod
@@ -37,38 +39,66 @@ class Spline:
         knots = np.concatenate([[0.0], np.cumsum(gaps)])
         return cls(knots, points, _slopes(gaps, points, closed), closed)
 
-    def __call__(self, s: FloatArray) -> FloatArray:
-        """Points at parameters s, of shape s.shape + (2,)."""
-        inside = np.mod(s, self.length) if self.closed else np.clip(s, 0.0, self.length)
-        i = np.clip(np.searchsorted(self.knots, inside, side="right") - 1, 0, len(self.knots) - 2)
-        h = (self.knots[i + 1] - self.knots[i])[..., None]
-        u = (inside - self.knots[i])[..., None] / h
-        points = (
-            (1 + 2 * u) * (1 - u) ** 2 * self.points[i]
-            + u * (1 - u) ** 2 * h * self.slopes[i]
-            + u**2 * (3 - 2 * u) * self.points[i + 1]
-            + u**2 * (u - 1) * h * self.slopes[i + 1]
-        )
+    def __call__(self, p: FloatArray) -> FloatArray:
+        """Points at parameters p, of shape p.shape + (2,) [m]."""
+        inside = np.mod(p, self.length) if self.closed else np.clip(p, 0.0, self.length)
+        points, _ = _hermite(inside, self.knots, self.points, self.slopes)
         if self.closed:
             return points
-        end = np.where((s < 0.0)[..., None], self.slopes[0], self.slopes[-1])
-        return np.asarray(points + (s - inside)[..., None] * end)
+        end = np.where((p < 0.0)[..., None], self.slopes[0], self.slopes[-1])
+        return np.asarray(points + (p - inside)[..., None] * end)
 
-    def by_arc_length(self) -> "Spline":
-        """The same curve (up to a fine resampling) with arc length [m] as its parameter."""
-        fine = np.unique(
-            np.concatenate(
-                [
-                    np.linspace(a, b, SAMPLES_PER_SEGMENT * 16 + 1)
-                    for a, b in zip(self.knots, self.knots[1:], strict=False)
-                ]
-            )
+    def speed(self, p: FloatArray) -> FloatArray:
+        """|dr/dp| at parameters p between the ends."""
+        _, derivative = _hermite(p, self.knots, self.points, self.slopes)
+        return np.hypot(derivative[..., 0], derivative[..., 1])
+
+    def by_arc_length(self) -> "Travel":
+        """The same curve with arc length as its parameter."""
+        fine = np.concatenate(
+            [np.linspace(a, b, PIECES, endpoint=False) for a, b in zip(self.knots, self.knots[1:], strict=False)]
+            + [self.knots[-1:]]
         )
-        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self(fine), axis=0).T))])
-        segments = SAMPLES_PER_SEGMENT * (len(self.knots) - 1)
-        parameters = np.interp(np.linspace(0.0, lengths[-1], segments + 1), lengths, fine)
-        points = self(parameters[:-1]) if self.closed else self(parameters)
-        return Spline.through(points, closed=self.closed)
+        half = np.diff(fine) / 2.0
+        nodes = (fine[:-1] + half)[:, None] + half[:, None] * GAUSS_NODES
+        lengths = np.concatenate([[0.0], np.cumsum((self.speed(nodes) * GAUSS_WEIGHTS).sum(axis=1) * half)])
+        return Travel(self, lengths, fine, 1.0 / np.maximum(self.speed(fine), LEAST_SPEED))
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """A spline travelled at unit speed."""
+
+    curve: Spline
+    lengths: FloatArray
+    """(K,) arc lengths from the first point [m]."""
+    parameters: FloatArray
+    """(K,) the curve's parameters there."""
+    rates: FloatArray
+    """(K,) their derivative by arc length."""
+
+    @property
+    def length(self) -> float:
+        """The whole way [m]."""
+        return float(self.lengths[-1])
+
+    def __call__(self, s: FloatArray) -> FloatArray:
+        """Points at arc lengths s [m], of shape s.shape + (2,) [m]; straight on past an open end."""
+        inside = np.mod(s, self.length) if self.curve.closed else np.clip(s, 0.0, self.length)
+        p, _ = _hermite(inside, self.lengths, self.parameters[:, None], self.rates[:, None])
+        beyond = (s - inside) * np.where(s < 0.0, self.rates[0], self.rates[-1])
+        return self.curve(p[..., 0] + (0.0 if self.curve.closed else beyond))
+
+
+def _hermite(x: FloatArray, knots: FloatArray, values: FloatArray, slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The cubic with these values (M, D) and slopes (M, D) at the knots (M,), and its derivative; x.shape + (D,)."""
+    i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
+    h = (knots[i + 1] - knots[i])[..., None]
+    u = (x - knots[i])[..., None] / h
+    a, b, da, db = values[i], values[i + 1], h * slopes[i], h * slopes[i + 1]
+    value = (1 + 2 * u) * (1 - u) ** 2 * a + u * (1 - u) ** 2 * da + u**2 * (3 - 2 * u) * b + u**2 * (u - 1) * db
+    derivative = (6 * u * (u - 1) * (a - b) + (1 - u) * (1 - 3 * u) * da + u * (3 * u - 2) * db) / h
+    return value, derivative
 
 
 def _slopes(gaps: FloatArray, points: FloatArray, closed: bool) -> FloatArray:

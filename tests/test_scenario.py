@@ -136,7 +136,7 @@ def test_start_noise_has_the_standard_deviations_asked_for() -> None:
         (" seed = 7", lambda s: s.seed == 7),
         ("path.radius=1.5", lambda s: s.path.radius == 1.5),
         ("controller.name=paper", lambda s: s.controller.name == "paper"),
-        ("controller.errata=[1, 2]", lambda s: s.controller.errata == [1, 2]),
+        ("controller.errata=[1, 2]", lambda s: s.controller.errata == (1, 2)),
         ("controller.q=[1, 2, 3, 4, 5, 6]", lambda s: s.controller.q == [1, 2, 3, 4, 5, 6]),
         ("controller.age_plans=false", lambda s: s.controller.age_plans is False),
         ("link.keep_order=true", lambda s: s.link.keep_order is True),

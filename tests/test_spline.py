@@ -86,24 +86,13 @@ def test_two_points_are_joined_by_a_straight_line() -> None:
 
 @given(waypoints(), st.booleans())
 @settings(max_examples=15)
-def test_by_arc_length_the_speed_is_one_but_for_sharp_bends(points: Any, closed: Any) -> None:
-    speed = speeds(Spline.through(points, closed=closed).by_arc_length())
-    assert np.median(np.abs(speed - 1)) < 1e-3
-    # A rough ring turns by up to 150 degrees at a point: 16 knots a segment then leave ten per cent at that point.
-    assert np.abs(speed - 1).max() < 0.15
-
-
-def test_by_arc_length_the_speed_is_one_within_half_a_per_cent_on_gentle_curves() -> None:
-    around = 2 * math.pi * np.arange(8) / 8
-    ellipse = np.stack([2 * np.cos(around), np.sin(around)], axis=1)
-    for points, closed in ((SQUARE, True), (ellipse, True), (BEND, False)):
-        speed = speeds(Spline.through(points, closed=closed).by_arc_length())
-        assert np.abs(speed - 1).max() < 5e-3
-
-
-def speeds(curve: Spline) -> FloatArray:
-    s = np.linspace(0.0, curve.length, 2000)
-    return np.hypot(*np.diff(curve(s), axis=0).T) / np.diff(s)
+def test_by_arc_length_the_speed_is_one(points: Any, closed: Any) -> None:
+    curve = Spline.through(points, closed=closed).by_arc_length()
+    s = np.linspace(0.0, curve.length, 20_000)
+    speed = np.hypot(*np.diff(curve(s), axis=0).T) / np.diff(s)
+    # At a sharp bend of this fine sampling a chord is still up to a thousandth shorter than its arc.
+    assert np.abs(speed - 1).max() < 2e-3
+    assert np.median(np.abs(speed - 1)) < 1e-6
 
 
 def test_reparametrising_does_not_change_the_curve() -> None:

@@ -9,6 +9,8 @@ from collections import deque
 from queue import Empty
 from time import monotonic, sleep
 
+from pydantic import ValidationError
+
 from agents.agent import Agent, Answer
 from formation.errors import WireError
 from formation.faults import Fault
@@ -16,7 +18,7 @@ from formation.scenario import Scenario
 from network import keys
 from network.codec import decode
 from network.lifetime import Lifetime
-from network.messages import Plan, Tick
+from network.messages import WORLD, Plan, Tick
 from network.rejects import Rejects
 from network.session import Sample, Session
 
@@ -24,8 +26,8 @@ STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
 RETRY_SECONDS = 0.2
 """Between two tries to hear from the world."""
-MAX_AHEAD = 1.0
-"""A plan may be stamped so far ahead of the newest tick [s]."""
+MAX_AHEAD, MAX_TICKS_AHEAD = 1.0, 10
+"""A plan may be stamped so far ahead of the newest tick [s], or by so many ticks."""
 KEPT_PLANS = 256
 """Plans that wait for their tick; older ones go first."""
 
@@ -38,7 +40,7 @@ class Mind:
         self._rejects = Rejects()
         self._agent: Agent | None = None
         self._setup: tuple[int, int] | None = None  # epoch and revision
-        self._lockstep = True
+        self._lockstep, self._size = True, 0
         self._listening_to: str | None = None
         self._plans: deque[Plan] = deque(maxlen=KEPT_PLANS)
         self._tick: Tick | None = None
@@ -76,6 +78,8 @@ class Mind:
         try:
             if sample.key.endswith("/tick"):
                 tick = decode(Tick, sample.payload)
+                if tick.sender != WORLD:
+                    raise WireError(f"expected the world's tick; got one of {tick.sender}")
                 newest = self._tick or self._last_tick
                 self._repeat |= newest is not None and (tick.epoch, tick.seq) == (newest.epoch, newest.seq)
                 if newest is None or tick.epoch != newest.epoch or tick.seq >= newest.seq:
@@ -85,7 +89,8 @@ class Mind:
             if plan.sender != keys.robot_of(sample.key):
                 raise WireError(f"expected the sender named in the key; got {plan.sender}")
             now = self._last_tick
-            if now is not None and plan.epoch == now.epoch and plan.stamp > now.stamp + MAX_AHEAD:
+            early = now is not None and plan.epoch == now.epoch and plan.seq > now.seq + MAX_TICKS_AHEAD
+            if now is not None and early and plan.stamp > now.stamp + MAX_AHEAD:
                 raise WireError(f"expected a stamp up to {now.stamp:g} s; got {plan.stamp:g} s")
             self._plans.append(plan)
         except WireError as error:
@@ -102,6 +107,10 @@ class Mind:
                 self._say(answer)
         self._repeat = False
         agent = self._agent
+        if len(tick.poses) != self._size:
+            self._rejects.add("tick", f"expected {self._size} poses; got {len(tick.poses)}")
+            self._tick = None
+            return
         if agent is None or tick.seq <= self._answered:  # not a robot of this scenario, or nothing new
             self._tick = None
             return
@@ -145,21 +154,23 @@ class Mind:
         """Ask the world what is flown. False if it does not say."""
         try:
             setup = self._session.setup()
-        except WireError as error:
+            if setup is None:
+                return False
+            faults = {link: Fault.model_validate(fault) for link, fault in setup.faults.items()}
+            if self._setup is None or self._setup[0] != setup.epoch:
+                self._begin(Scenario.model_validate_json(setup.scenario), setup.epoch)
+                self._lockstep = setup.mode == "lockstep"
+        except (WireError, ValidationError) as error:
             self._rejects.add("setup", error)
             return False
-        if setup is None:
-            return False
-        if self._setup is None or self._setup[0] != setup.epoch:
-            self._begin(Scenario.model_validate_json(setup.scenario), setup.epoch)
-            self._lockstep = setup.mode == "lockstep"
         if self._agent is not None:
-            self._agent.set_faults({link: Fault.model_validate(fault) for link, fault in setup.faults.items()})
+            self._agent.set_faults(faults)
         self._setup = (setup.epoch, setup.revision)
         return True
 
     def _begin(self, scenario: Scenario, epoch: int) -> None:
         """A new flight."""
+        self._size = scenario.size
         here = self._robot <= scenario.size
         self._agent = Agent(scenario, self._robot, epoch=epoch) if here else None
         wanted = keys.plan(self._session.run, self._agent.upstream) if self._agent else None

@@ -7,9 +7,11 @@ from typing import Any
 from cli.options import add_run, session
 from cli.talk import ask, newest_state
 from formation.errors import FaultError
-from formation.faults import PERFECT, PRESETS, Fault, with_changes
-from network.control import Clear, SetFault, SetPreset
+from formation.faults import PERFECT, PRESETS, with_changes
+from network.control import operation
+from network.messages import Request
 
+_OPERATIONS = {"set": "fault", "preset": "preset", "clear": "clear"}
 _KEYS = {
     "latency": ("TIME", "delay of every message, such as 300ms"),
     "jitter": ("TIME", "spread of the delay"),
@@ -38,7 +40,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="every link that is not healthy")
     show.add_argument("--json", action="store_true", help="print one JSON object")
     for action in (change, preset, clear):
-        action.add_argument("--link", default="all", help='such as "2->1"; default: all links of the ring')
+        action.add_argument("--link", default="all", help='such as "1->2" or "world->1"; default: all')
     for action in (change, preset):
         action.add_argument("--for", dest="seconds", metavar="TIME", help="until then, such as 10s (simulated time)")
     for action in (change, preset, clear, show):
@@ -55,16 +57,20 @@ def run(options: argparse.Namespace) -> None:
             raise FaultError(f"expected at least one of {', '.join('--' + key for key in (*_KEYS, 'cut', 'mend'))}")
         checked = with_changes(PERFECT, wished)
         changes = {key: getattr(checked, key) for key in wished}
+    wanted: dict[str, Any] = {}
+    match options.action:
+        case "set":
+            wanted = {"link": options.link, "changes": changes, "seconds": options.seconds}
+        case "preset":
+            wanted = {"link": options.link, "preset": options.name, "seconds": options.seconds}
+        case "clear":
+            wanted = {"link": options.link}
+    asked = operation(Request(_OPERATIONS[options.action], wanted)) if wanted else None
     with session(options) as live:
-        match options.action:
-            case "set":
-                ask(live, SetFault(link=options.link, changes=changes, seconds=options.seconds))
-            case "preset":
-                ask(live, SetPreset(link=options.link, preset=options.name, seconds=options.seconds))
-            case "clear":
-                ask(live, Clear(link=options.link))
-            case _:
-                _show(newest_state(live).faults, as_json=options.json)
+        if asked is not None:
+            ask(live, asked)
+        else:
+            _show(newest_state(live).faults, as_json=options.json)
 
 
 def _show(faults: dict[str, dict[str, Any]], *, as_json: bool) -> None:
@@ -73,4 +79,4 @@ def _show(faults: dict[str, dict[str, Any]], *, as_json: bool) -> None:
     elif not faults:
         print("every link is healthy")
     for link, keys in () if as_json else sorted(faults.items()):
-        print(f"{link}: {Fault.model_validate(keys).words()}")
+        print(f"{link}: {with_changes(PERFECT, keys).words()}")

@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 import argparse
+import sys
 
 from fleet.runs import find
 from formation import scenario
@@ -48,7 +49,9 @@ def _faults(name: str) -> str:
     if not name.endswith(".toml"):
         choices = ", ".join([*PRESETS, "FILE.toml"])
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
-    entries = scenario.read(name).get("faults", [])
+    entries = scenario.read(name).get("faults")
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
     tables = [", ".join(f"{key} = {_value(value)}" for key, value in entry.items()) for entry in entries]
     return "[" + ", ".join(f"{{ {table} }}" for table in tables) + "]"
 
@@ -77,3 +80,8 @@ def session(options: argparse.Namespace) -> Session:
         return Session(options.connect, options.run or "echelon")
     run = find(options.run)
     return Session(run.endpoint, run.name)
+
+
+def tell(line: str) -> None:
+    """A line for people, beside the results."""
+    print(f"echelon: {line}", file=sys.stderr, flush=True)

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_scenario, load
+from cli.options import add_scenario, load, tell
 from fleet.compiling import ensure_compiled
 from fleet.live import LiveRun
 from formation.errors import EchelonError
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
-    ensure_compiled(_tell)
+    ensure_compiled(tell)
     from fleet import inprocess  # noqa: PLC0415  numba takes half a second to import, the other engine does without
 
     return inprocess.fly(scenario, warmup=warmup, progress=report)
@@ -62,7 +62,7 @@ def _processes(
     speed = 1.0 if options.realtime else 0.0
     source = options.scenario if not options.scenario.endswith(".toml") else os.path.abspath(options.scenario)
     name = f"run-{os.getpid()}"
-    with LiveRun(name, scenario, source, settings, tell=_tell, speed=speed, realtime=options.realtime) as live:
+    with LiveRun(name, scenario, source, settings, tell=tell, speed=speed, realtime=options.realtime) as live:
         while live.watch():
             state = live.state
             if state is None:
@@ -124,7 +124,3 @@ def _print(summary: dict[str, Any]) -> None:
     for event in [e for e in summary["events"] if e["kind"] != "run"][-10:]:
         console.print(f"t = {event['t']:.2f} s: {event['text']}", markup=False)
     console.print(f"trajectory {summary['trajectory_sha256']}")
-
-
-def _tell(line: str) -> None:
-    print(f"echelon: {line}", file=sys.stderr, flush=True)

@@ -11,7 +11,7 @@ from rich.table import Table
 from cli.options import add_run, session
 from cli.talk import newest_state
 from fleet.runs import live as live_runs
-from formation.faults import Fault
+from formation.faults import PERFECT, with_changes
 from network.messages import State
 
 MILLI = 1e3
@@ -46,8 +46,9 @@ def _print(name: str, page: str, state: State) -> None:
     console = Console()
     waiting = f", waiting for agents {', '.join(map(str, state.waiting_for))}" if state.waiting_for else ""
     console.print(
-        f"[bold]{name}[/]: {state.status} at t = {state.stamp:.2f} s, {state.scenario} with {state.controller}, "
-        f"{state.mode} at x{state.pace:.2g}{waiting}"
+        f"{name}: {state.status} at t = {state.stamp:.2f} s, {state.scenario} with {state.controller}, "
+        f"{state.mode} at x{state.pace:.2g}{waiting}",
+        markup=False,
     )
     if page:
         console.print(f"page: {page}")
@@ -60,6 +61,6 @@ def _print(name: str, page: str, state: State) -> None:
     console.print(table)
     console.print(f"centre to path {state.tracking_error * MILLI:.3f} mm")
     for link, fault in sorted(state.faults.items()):
-        console.print(f"link {link}: {Fault.model_validate(fault).words()}", markup=False)
+        console.print(f"link {link}: {with_changes(PERFECT, fault).words()}", markup=False)
     for event in state.events[-5:]:
         console.print(f"t = {event.stamp:.2f} s: {event.text}", markup=False)

@@ -1,9 +1,10 @@
 """Talking with the world of a live run from a command."""
 
+import contextlib
 from queue import Empty
 from time import monotonic
 
-from formation.errors import EchelonError
+from formation.errors import EchelonError, WireError
 from network import keys
 from network.codec import decode
 from network.control import Operation
@@ -41,5 +42,6 @@ def newest_state(session: Session) -> State:
         except Empty:
             continue
         if isinstance(item, Sample):
-            return decode(State, item.payload)
+            with contextlib.suppress(WireError):  # somebody else's garbage
+                return decode(State, item.payload)
     raise EchelonError(f"expected the world of run {session.run} to say how it is; it is silent")

@@ -2,10 +2,9 @@
 
 import argparse
 import socket
-import sys
 from pathlib import Path
 
-from cli.options import add_scenario, load
+from cli.options import add_scenario, load, tell
 from fleet.live import LiveRun
 from fleet.runs import free_name
 from formation.errors import EchelonError
@@ -37,14 +36,14 @@ def run(options: argparse.Namespace) -> int:
         scenario,
         _absolute(options.scenario),
         settings,
-        tell=_tell,
+        tell=tell,
         dashboard=dashboard,
         realtime=options.realtime,
         speed=options.speed,
         paused=options.paused,
         endless=True,
     ) as live:
-        _tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         shown = 0
         try:
             while live.watch():
@@ -54,9 +53,9 @@ def run(options: argparse.Namespace) -> int:
                 for event in events:
                     if event.number > shown:
                         shown = event.number
-                        _tell(f"t = {event.stamp:.2f} s: {event.text}")
+                        tell(f"t = {event.stamp:.2f} s: {event.text}")
         except KeyboardInterrupt:
-            _tell("stopping")
+            tell("stopping")
     return 0
 
 
@@ -76,7 +75,3 @@ def _port(port: int) -> int:
 
 def _absolute(source: str) -> str:
     return str(Path(source).resolve()) if source.endswith(".toml") or "/" in source else source
-
-
-def _tell(line: str) -> None:
-    print(f"echelon: {line}", file=sys.stderr, flush=True)

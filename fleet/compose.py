@@ -74,6 +74,8 @@ def _service(program: Program) -> str:
         "      timeout: 8s",
         "      start_period: 20s",
     ]
+    if program.role == "world":  # an order to stop is obeyed, a crash is not
+        lines += ["    restart: on-failure"]
     if program.role != "router":
         lines += ["    depends_on: [router]"]
     if program.role == "dashboard":

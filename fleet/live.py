@@ -1,5 +1,6 @@
 """A run as supervised processes: up with its processes, along with the world, down without a trace."""
 
+import contextlib
 import signal
 from collections.abc import Callable
 from queue import Empty
@@ -11,7 +12,7 @@ from fleet.processes import Plan, agent, programs
 from fleet.runs import Claim
 from fleet.supervisor import Supervisor
 from formation.errors import EchelonError, WireError
-from formation.scenario import Scenario
+from formation.scenario import MAX_ROBOTS, Scenario
 from network import keys
 from network.codec import decode
 from network.control import GetSummary
@@ -82,9 +83,9 @@ class LiveRun:
     ) -> None:
         for number in _ENDINGS:  # a second Ctrl-C must not interrupt the tidying up
             signal.signal(number, signal.SIG_IGN)
-        self._supervisor.stop()
-        if self._session is not None:
+        if self._session is not None:  # before its router goes: closing a dead link takes long
             self._session.close()
+        self._supervisor.stop()
         self._claim.__exit__()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
@@ -107,19 +108,20 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            missing = set(self._state.waiting_for) - self._supervisor.numbers
+            missing = set(self._state.waiting_for) & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
             self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
         return True
 
     def _listen(self) -> None:
         assert self._session is not None
-        try:
-            while True:
+        while True:
+            try:
                 item = self._session.inbox.get_nowait()
-                if isinstance(item, Sample):
+            except Empty:
+                return
+            if isinstance(item, Sample):
+                with contextlib.suppress(WireError):  # garbage; who it concerns counts it
                     self._state = decode(State, item.payload)
-        except (Empty, WireError):
-            pass
 
     def summary(self, warmup: float) -> dict[str, Any]:
         """The figures of the flight. Raises EchelonError if the world does not say."""

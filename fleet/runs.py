@@ -1,19 +1,21 @@
 """The live runs of this machine: a private folder each, with the router's socket and who leads it."""
 
 import contextlib
-import fcntl
 import json
 import os
-import shutil
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import monotonic, sleep
 from typing import IO, Self
 
 from formation.errors import EchelonError, unknown
+from network.folder import VARIABLE, lock, remove
 
-VARIABLE = "ECHELON_RUNS"
-"""Environment variable that names another folder for runs."""
+RECORD = "run.json"
+"""In a run's folder: what others need to know of it."""
+PATIENCE_SECONDS = 0.5
+"""How long a lock on the wished name is waited for."""
 SOCKET_PATH_LIMIT = 107
 """Bytes that the path of a unix socket may have."""
 
@@ -32,12 +34,16 @@ class Run:
 
 
 def folder() -> Path:
-    """Where this user's runs are: $ECHELON_RUNS, or a folder for temporary files of the user's own."""
+    """Where this user's runs are: $ECHELON_RUNS, or a folder for temporary files of the user's own.
+
+    Raises:
+        EchelonError: it is somebody else's, or not a folder.
+    """
     given = os.environ.get(VARIABLE)
     base = Path(given) if given else Path(tempfile.gettempdir()) / f"echelon-{os.getuid()}"
-    base.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if base.stat().st_uid != os.getuid():
-        raise EchelonError(f"expected {base} to be yours; set ECHELON_RUNS to a folder of your own")
+    with contextlib.suppress(FileNotFoundError):
+        if base.stat().st_uid != os.getuid() or not base.is_dir():
+            raise EchelonError(f"expected {base} to be a folder of yours; set {VARIABLE} to one")
     return base
 
 
@@ -48,46 +54,56 @@ class Claim:
         """Take the name.
 
         Raises:
-            EchelonError: a live run has it, or it cannot be a folder's name.
+            EchelonError: a live run has it, or it cannot be a folder's name, or there can be no folder.
         """
         if not name.replace("-", "").replace("_", "").replace(".", "").isalnum() or not name[0].isalnum():
             raise EchelonError(f"--run: expected letters, digits, '-', '_' and '.'; got {name!r}")
         self.path = folder() / name
         self.endpoint = f"unixsock-stream/{self.path / 'router.sock'}"
         if len(os.fsencode(self.path / "router.sock")) > SOCKET_PATH_LIMIT:
-            raise EchelonError(f"expected a shorter path for sockets than {self.path}; set ECHELON_RUNS to one")
-        self.path.mkdir(mode=0o700, exist_ok=True)
-        self._lock = _locked(self.path)
-        if self._lock is None:
-            taken = ", ".join(run.name for run in live())
-            raise EchelonError(f"--run: expected a name that is not in use; got {name} (in use: {taken})")
-        (self.path / "run.json").write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+            raise EchelonError(f"expected a shorter path for sockets than {self.path}; set {VARIABLE} to one")
+        self._lock = self._take()
+        (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+
+    def _take(self) -> IO[bytes]:
+        """The lock; somebody who looks whether the run lives may hold it for a moment."""
+        until = monotonic() + PATIENCE_SECONDS
+        while True:
+            try:
+                self.path.mkdir(mode=0o700, parents=True, exist_ok=True)
+            except OSError as error:
+                raise EchelonError(f"expected a place for runs; {self.path.parent} cannot be used: {error}") from None
+            held = lock(self.path)
+            if held is not None:
+                return held
+            if monotonic() > until:
+                taken = ", ".join(run.name for run in live())
+                raise EchelonError(f"--run: expected a name that is not in use; got {self.path.name} (in use: {taken})")
+            sleep(0.02)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
-        if self._lock is not None:
-            self._lock.close()
-        if not os.environ.get(VARIABLE):
-            with contextlib.suppress(OSError):  # other runs are in it
-                self.path.parent.rmdir()
+        remove(self.path, self._lock)
 
 
 def live() -> list[Run]:
-    """The runs of this user whose launcher lives, by name. What others left behind is removed."""
+    """The runs of this user whose launcher lives, by name. What killed ones left behind is removed."""
     found = []
-    for path in sorted(folder().iterdir()):
-        lock = _locked(path) if path.is_dir() else None
-        if lock is not None:  # nobody holds it: its launcher was killed
-            shutil.rmtree(path, ignore_errors=True)
-            lock.close()
-            continue
-        try:
-            found.append(Run(**json.loads((path / "run.json").read_text())))
-        except (OSError, ValueError, TypeError):
-            continue
+    try:
+        paths = sorted(path for path in folder().iterdir() if path.is_dir())
+    except OSError:
+        return []
+    for path in paths:
+        held = lock(path)
+        if held is not None and (path / RECORD).exists():
+            remove(path, held)
+        elif held is not None:  # somebody is just claiming it
+            held.close()
+        else:
+            with contextlib.suppress(OSError, ValueError, TypeError):
+                found.append(Run(**json.loads((path / RECORD).read_text())))
     return found
 
 
@@ -114,17 +130,3 @@ def free_name(wish: str) -> str:
     """The wish, or the wish with the first number that is not in use."""
     taken = {run.name for run in live()}
     return next(name for name in (wish, *(f"{wish}-{n}" for n in range(2, 10_000))) if name not in taken)
-
-
-def _locked(path: Path) -> IO[bytes] | None:
-    """The lock of a run's folder, or None if a launcher holds it. A killed launcher holds nothing."""
-    try:
-        lock = (path / "lock").open("ab")
-    except OSError:
-        return None
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        lock.close()
-        return None
-    return lock

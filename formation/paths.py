@@ -123,7 +123,7 @@ class Waypoints(Path):
     """A smooth curve (C2 spline) through points, travelled at constant speed; straight on past an open end."""
 
     kind: Literal["waypoints"]
-    points: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2)]
+    points: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=1000)]
     """[m]."""
     speed: Positive = 0.1
     """[m/s]."""

@@ -20,6 +20,10 @@ from formation.problems import problems
 from formation.reference import Reference
 
 MAX_ROBOTS = 64
+MAX_TICKS = 1_000_000
+"""Ticks of one flight: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
+MAX_STRIDE = 1000
+"""Control intervals in one prediction interval."""
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 ControllerName = Literal["nash", "paper", "leader_follower"]
 
@@ -158,10 +162,15 @@ class Scenario(Model):
         if poses is not None and len(poses) != self.size:
             raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
         ratio = self.controller.prediction_interval / self.control_interval
-        if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6:
+        if not 1.0 <= ratio <= MAX_STRIDE or abs(ratio - round(ratio)) > 1e-6:
             raise ValueError(
                 "controller.prediction_interval: expected a whole number of control intervals "
                 f"({self.control_interval:g} s); got {self.controller.prediction_interval:g}"
+            )
+        if self.duration / self.control_interval > MAX_TICKS:
+            raise ValueError(
+                f"duration: expected at most {MAX_TICKS * self.control_interval:g} s at this control_interval; "
+                f"got {self.duration:g}"
             )
         for index, fault in enumerate(self.faults):
             try:
@@ -240,7 +249,7 @@ def read(name: str) -> dict[str, Any]:
         raise ScenarioError(unknown("scenario", name, [*shipped(), "FILE.toml"])) from None
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{name}: cannot be read: {error}") from None
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ScenarioError(f"{name}: expected TOML; {error}") from None
 
 
@@ -266,7 +275,7 @@ def _apply(raw: dict[str, Any], setting: str) -> None:
         raise ScenarioError(f"--set: expected key=value; got {setting!r}")
     try:
         value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         value = text.strip()
     *parents, last = key.strip().split(".")
     table = raw

@@ -1,15 +1,13 @@
 """The router process of a run."""
 
 import argparse
-import contextlib
 import logging
-import os
-import shutil
 import sys
-import threading
 from pathlib import Path
+from queue import SimpleQueue
 
 from formation.errors import EchelonError
+from network.folder import remove
 from network.lifetime import Lifetime
 from network.session import Router
 
@@ -21,21 +19,18 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--folder", help="the run's private folder, removed at the end")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s router: %(message)s", stream=sys.stderr)
-    over = threading.Event()
-    lifetime = Lifetime(over.set)
+    wake: SimpleQueue[None] = SimpleQueue()
+    lifetime = Lifetime(lambda: wake.put(None))
     try:
         router = Router(options.listen)
     except EchelonError as error:
         print(f"router: {error}", file=sys.stderr)
         return 2
     while not lifetime.over:
-        over.wait(0.5)
+        wake.get()
     router.close()
     if options.folder:
-        shutil.rmtree(options.folder, ignore_errors=True)
-        if not os.environ.get("ECHELON_RUNS"):
-            with contextlib.suppress(OSError):  # other runs are beside it
-                Path(options.folder).parent.rmdir()
+        remove(Path(options.folder))  # a launcher that lives does so itself
     return 0
 
 

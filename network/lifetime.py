@@ -19,7 +19,7 @@ class Lifetime:
         """Install the handlers; call from the main thread.
 
         Args:
-            on_end: called once the end is due, in a signal handler: wake the loop here.
+            on_end: called when the end is due, in a signal handler: wake the loop here.
         """
         self._over = False
         self._on_end = on_end

@@ -147,29 +147,25 @@ class Link(Generic[T]):
         return self._in_burst(seq, loss, burst)
 
     def _in_burst(self, seq: int, loss: float, burst: float) -> bool:
-        """Gilbert-Elliott: a chain that turns bad with probability p and good with 1 / burst, as a function of seq.
+        """Gilbert-Elliott: a chain that turns bad with probability p and good with r = 1 / burst, by seq.
 
-        All states see the same draw u of a message: below min(p, 1 - r) it turns bad whatever it was, from the
-        maximum on it turns good, in between it keeps its state (or changes it, if p > 1 - r). So the last deciding
-        draw settles it, and the state of the message before, where it is known, only saves looking back.
+        Both states see the same draw u of a message: below p it turns bad whatever it was, from 1 - r on it turns
+        good, in between it stays (p < 1 - r here). So the last deciding draw settles it, and the state of the
+        message before, where it is known, only saves looking back.
         """
         r = 1.0 / burst
         p = loss * r / (1.0 - loss)
         known, *model, state = self._chain
         warm = model == [loss, burst] and known < seq
         first = known + 1 if warm else max(0, seq - MEMORY)
-        undecided = 0
         for back in range(seq, first - 1, -1):
             u = self._draws(back).loss
-            if u < min(p, 1.0 - r) or u >= max(p, 1.0 - r):
-                state = u < min(p, 1.0 - r)
+            if u < p or u >= 1.0 - r:
+                state = u < p
                 break
-            undecided += 1
         else:
             if not warm:
                 state = self._draws(first).stationary < loss
-        if p > 1.0 - r and undecided % 2:  # then a draw in between changes the state
-            state = not state
         self._chain = (seq, loss, burst, state)
         return state
 

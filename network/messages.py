@@ -57,6 +57,7 @@ Real = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(strict=True, gt=0.0)]
 NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
 Text = Annotated[str, Field(strict=True, max_length=65536)]
+LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
 Flag = Annotated[bool, Field(strict=True)]
 
 
@@ -233,7 +234,7 @@ class Setup:
     stamp: NonNegative
     epoch: Count
     revision: Count
-    scenario: Text
+    scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Literal["lockstep", "realtime"]
     faults: dict[str, dict[str, Any]]

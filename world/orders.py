@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from formation.errors import ScenarioError, unknown
 from formation.faults import preset
-from formation.scenario import Scenario, load, parse
+from formation.scenario import Scenario, load, parse, shipped
 from network import control
 from network.control import Operation
 from network.messages import RunStatus
@@ -74,6 +75,8 @@ class Orders:
             case control.Clear(link=link):
                 world.clear_faults(link)
             case control.UseScenario(scenario=name, settings=settings):
+                if name not in shipped():  # a client names a scenario, it does not have files read
+                    raise ScenarioError(unknown("scenario", name, shipped()))
                 self._use(load(name, settings))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))

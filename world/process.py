@@ -125,17 +125,17 @@ class Driver:
         self._wait_until_due()
         self._pace.note_overrun(world.scenario.control_interval)
         self._roster.reachable()
-        world.advance(self._commands)
-        self._commands = {}
+        commands, self._commands = self._commands, {}
+        world.advance({robot: command for robot, command in commands.items() if command.epoch == world.epoch})
         return not self._lifetime.over
 
     def _wait_until_due(self) -> None:
-        """Keep the pace, listening meanwhile."""
+        """Keep the pace, listening meanwhile; where ticks are far apart, an order cuts the wait short."""
         self._pace.next(self._world.scenario.control_interval)
-        self._listen(self._pace.left)
-        while self._pace.left > 0 and not self._lifetime.over:
+        self._listen(min(self._pace.left, IDLE_SECONDS))
+        while self._pace.left > 0 and not (self._over or (self._asked and self._pace.left > STATE_INTERVAL)):
             self._say_state()
-            self._listen(self._pace.left)
+            self._listen(min(self._pace.left, IDLE_SECONDS))
 
     def _gather_last_words(self) -> None:
         """The flight is over: every live agent says its last status."""
@@ -217,6 +217,8 @@ class Driver:
                 value = self._orders.obey(operation)
             except EchelonError as error:
                 query.answer(encode(Reply(False, str(error))))
+            except (ArithmeticError, MemoryError, ValueError) as error:  # no order may end the world
+                query.answer(encode(Reply(False, f"cannot be done: {type(error).__name__} {error}")))
             else:
                 query.answer(encode(Reply(True, value=value)))
             self._state_due = 0.0  # people see at once what they did

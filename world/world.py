@@ -56,6 +56,7 @@ class World:
         """A new flight of the scenario from its start."""
         scenario = self._scenario
         self.k = 0
+        self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.period is not None
         self.plant = Plant(scenario)
         self.faults = FaultState(scenario)
@@ -237,7 +238,10 @@ class World:
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The figures of the flight so far; empty for an endless one."""
         links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
-        return self.trace.summary(links, list(self.events), warmup=warmup) if self.trace else {}
+        return self.trace.summary(links, self._events_of_flight(), warmup=warmup) if self.trace else {}
+
+    def _events_of_flight(self) -> list[Event]:
+        return [event for event in self.events if event.number > self._earlier_events]
 
     def state(
         self,

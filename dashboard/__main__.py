@@ -26,7 +26,9 @@ def main(arguments: list[str] | None = None) -> int:
         try:
             with Session(options.connect, options.run) as session:
                 page = Page(served, session)
-                print(f"dashboard: http://{options.host}:{served.get_port()}", flush=True)
+                port = served.get_port()
+                where = "" if options.host in server.LOOPBACK else f" (listens on {options.host}:{port})"
+                print(f"dashboard: {server.address(options.host, port)}{where}", flush=True)
                 page.serve(lifetime)
         finally:
             server.stop(served)

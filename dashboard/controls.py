@@ -32,11 +32,16 @@ class Follower:
 
 
 def offer(dropdown: Any, options: tuple[str, ...]) -> None:
-    """Have a dropdown offer these options; its choice is kept if it is among them."""
+    """Have a dropdown offer these options; its choice is kept if it is among them.
+
+    A page may have sent any text as its choice: that is set back too.
+    """
+    chosen = dropdown.value
     if dropdown.options != options:
-        chosen = dropdown.value
         dropdown.options = options
-        dropdown.value = chosen if chosen in options else options[0]
+    if chosen not in options:
+        chosen = options[0]
+    assign(dropdown, "value", chosen)
 
 
 def assign(handle: Any, name: str, value: object) -> None:

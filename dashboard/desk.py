@@ -7,6 +7,7 @@ from time import monotonic
 from typing import Any
 
 from dashboard.feed import Feed
+from dashboard.mishaps import Mishaps
 from formation.errors import WireError
 from network.control import Clear, Operation, SetFault
 from network.session import Session
@@ -28,6 +29,7 @@ class Desk:
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
+        self._mishaps = Mishaps("asking the world")
         self._over = False
         self._thread = threading.Thread(target=self._work, name="desk", daemon=True)
 
@@ -66,28 +68,37 @@ class Desk:
 
     def _work(self) -> None:
         while not self._over:
-            if self._resting and monotonic() >= self._rest[0]:
-                self._flush()
             try:
-                operation, page = self._queue.get(timeout=POLL_SECONDS)
-            except Empty:
-                self._feed.learn()
-                continue
-            self._do(operation, page)
+                self._next()
+            except Exception:  # without this thread no button would do anything any more
+                self._mishaps.note()
 
-    def _do(self, operation: Operation, page: int | None) -> None:
+    def _next(self) -> None:
+        if self._resting and monotonic() >= self._rest[0]:
+            self._flush()
+        try:
+            operation, page = self._queue.get(timeout=POLL_SECONDS)
+        except Empty:
+            self._feed.learn()
+            return
+        complaint = self._do(operation)
+        if complaint is not None:
+            self._tell(page, *complaint)
+
+    def _do(self, operation: Operation) -> tuple[str, str] | None:
+        """Ask; title and text of what a person must hear, if anything."""
         try:
             reply = self._session.ask(operation)
+            if reply is None and not self._session.connected:  # then nobody is asked, and None comes at once
+                return "The network is gone", "The run's router cannot be reached, so nothing was asked of the world."
         except WireError as error:
-            self._tell(page, "The world's answer makes no sense", str(error))
-            return
-        except Exception as error:  # a session without its router raises zenoh's own errors
-            self._tell(page, "The world cannot be reached", str(error).splitlines()[0][:200])
-            return
+            return "The world's answer makes no sense", str(error)
+        except Exception as error:  # a session that is being closed, say
+            self._mishaps.note()
+            return "The world could not be asked", (str(error) or type(error).__name__).splitlines()[0][:200]
         if reply is None:
-            self._tell(page, "No answer", "The world did not answer within two seconds; is it still running?")
-        elif not reply.ok:
-            self._tell(page, "Not done", reply.reason)
+            return "No answer", "The world did not answer; is it still running?"
+        return None if reply.ok else ("Not done", reply.reason)
 
 
 def _given(link: str, changes: dict[str, Any], seconds: float | None) -> dict[str, Any]:

@@ -80,8 +80,9 @@ class FaultPanel:
 
     @property
     def target(self) -> tuple[str, ...]:
-        """The links that are chosen, as the world names them."""
-        return _links_of(self._target.value, self._robots)
+        """The links that are chosen, as the world names them; none if a page chose what is not offered."""
+        label = self._target.value
+        return _links_of(label, self._robots) if label in self._target.options else ()
 
     def choose(self, sender: int) -> None:
         """Choose the link with this sender, in the ring."""
@@ -148,8 +149,8 @@ def _links_of(label: str, robots: int) -> tuple[str, ...]:
 
 
 def worst(faults: Mapping[str, Mapping[str, Any]], target: tuple[str, ...], robots: int) -> dict[str, Any]:
-    """The largest value of every key over the chosen links."""
+    """The largest value of every key over the chosen links; a perfect link's if none is chosen."""
     links = plan_links(robots) if target == ("all",) else target
-    shown = [PERFECT.model_dump() | dict(faults.get(link, {})) for link in links]
+    shown = [PERFECT.model_dump() | dict(faults.get(link, {})) for link in links] or [PERFECT.model_dump()]
     keys = ("cut", *(row.key for row in (*SLIDERS, *MORE)))
     return {key: max(fault[key] for fault in shown) for key in keys}

@@ -6,17 +6,21 @@ One thread drains the inbox and only stores, so that a slow page never slows the
 import json
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from queue import Empty
 from time import monotonic
+from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from dashboard.plans import PlanLog
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
+from formation.faults import Fault
 from formation.measures import wrapped
-from formation.scenario import Scenario, parse
+from formation.scenario import MAX_ROBOTS, Scenario, parse
 from network import keys
 from network.codec import decode
 from network.messages import State, Status
@@ -119,8 +123,11 @@ class Feed:
             return
         with self._lock:
             if known is None or known[0] != setup.epoch:
-                self._plans = {i: PlanLog(i, scenario.size) for i in range(1, scenario.size + 1)}
+                self._plans = {i: self._log(i, scenario.size) for i in range(1, scenario.size + 1)}
             self._scenario = (setup.epoch, setup.revision, scenario)
+
+    def _log(self, robot: int, robots: int) -> PlanLog:
+        return PlanLog(robot, robots, partial(self._rejects.add, keys.plan(self._session.run, robot)))
 
     # ------------------------------------------------------------------ what comes in
 
@@ -152,17 +159,36 @@ class Feed:
             with self._lock:
                 self._statuses[status.sender] = status
         else:
-            state = decode(State, sample.payload)
-            _check(state)
+            state = _checked(decode(State, sample.payload))
             with self._lock:
                 self._states = (*self._states[-1:], (monotonic(), state))
 
 
-def _check(state: State) -> None:
-    """Raises WireError if the arrays do not fit each other."""
+def _checked(state: State) -> State:
+    """The state with its faults as the fault model has them: numbers, even where a peer wrote "30%".
+
+    Raises:
+        WireError: arrays do not fit each other, a robot does not exist, or a fault makes no sense.
+    """
     n = len(state.poses)
+    if n > MAX_ROBOTS:
+        raise WireError(f"poses: expected at most {MAX_ROBOTS}; got {n}")
     if not len(state.slots) == len(state.distance_errors) == len(state.angle_errors) == n:
         raise WireError(f"expected {n} slots and errors")
+    for name in ("waiting_for", "live", "stopped"):
+        for robot in getattr(state, name):
+            if not 1 <= robot <= n:
+                raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
+    return replace(state, faults={link: _fault(link, given) for link, given in state.faults.items()})
+
+
+def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    try:
+        return Fault.model_validate(given).plain()
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
 
 
 def _between(states: tuple[tuple[float, State], ...], now: float) -> FloatArray:

@@ -151,7 +151,7 @@ def body_colours(robots: int, lost: set[int]) -> FloatArray:
 def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None) -> FloatArray:
     """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, white around the chosen one."""
     colour = np.tile(colours.rgb("0c0f13"), (robots, 1))
-    if focus is not None and focus <= robots:
+    if focus is not None and 1 <= focus <= robots:
         colour[focus - 1] = colours.rgb("ffffff")
     for robot in stopped:
         colour[robot - 1] = colours.rgb(colours.WARN)

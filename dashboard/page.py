@@ -15,6 +15,7 @@ from dashboard.faults import FaultPanel
 from dashboard.feed import Feed, Seen
 from dashboard.history import History
 from dashboard.links import LinkView, links
+from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
 from dashboard.plots import FIRST, SECOND, Plots
 from dashboard.run import RunPanel
@@ -44,6 +45,7 @@ class Page:
         self._history = History()
         self._cameras = Cameras(server)
         self._scene = Scene(server, self._focus_on, self._choose_link)
+        self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
         self._dress()
         gui = server.gui
@@ -113,9 +115,9 @@ class Page:
             self._scene.focus, self._focus.value = None, NOBODY
 
     def _focus_chosen(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is None:
-            return
         name = event.target.value
+        if event.client is None or name not in self._focus.options:  # a page may send anything
+            return
         self._scene.focus = None if name == NOBODY else int(name.split()[-1])
         if self._scene.focus is None:
             self._cameras.release(event.client)
@@ -123,8 +125,10 @@ class Page:
             self._cameras.follow(event.client, self._scene.focus)
 
     def _focus_on(self, client: viser.ClientHandle, robot: int) -> None:
-        self._scene.focus, self._focus.value = robot, f"Robot {robot}"
-        self._cameras.follow(client, robot)
+        name = f"Robot {robot}"
+        if name in self._focus.options:
+            self._scene.focus, self._focus.value = robot, name
+            self._cameras.follow(client, robot)
 
     def _choose_link(self, sender: int) -> None:
         self._faults.choose(sender)
@@ -132,12 +136,15 @@ class Page:
     # ------------------------------------------------------------------ the loop
 
     def serve(self, lifetime: Lifetime) -> None:
-        """Keep the page up to date until told to end."""
+        """Keep the page up to date until told to end; a frame that cannot be drawn is passed over."""
         self._feed.start()
         self._desk.start()
-        due = monotonic()
+        due, robots = monotonic(), 0
         while not lifetime.over:
-            robots = self._frame()
+            try:
+                robots = self._frame()
+            except Exception:
+                self._mishaps.note()
             due = max(due + (CROWD_FRAME if robots > CROWD else FRAME), monotonic())
             sleep(max(0.0, due - monotonic()))
         self._desk.stop()

@@ -139,8 +139,9 @@ class Scene:
 
     def _build(self, scenario: Scenario) -> None:
         """Nodes for another scenario."""
-        for node in self._nodes.values():
-            node.remove()
+        self._scenario = None  # until all nodes are there: else an error in between would leave half a scene for good
+        while self._nodes:
+            self._nodes.popitem()[1].remove()
         self._frame, self._state, self._looks = 0, None, None
         n = scenario.size
         self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))

@@ -65,6 +65,13 @@ def serve(host: str, port: int, label: str) -> viser.ViserServer:
     return server
 
 
+def address(host: str, port: int) -> str:
+    """Where a person finds the page: always under a name that `refused` lets pass."""
+    if host not in LOOPBACK:  # a container listens on all of its own addresses, and publishes the port on loopback
+        host = LOOPBACK[0]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
 def _bind(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     bound = socket.socket(family, socket.SOCK_STREAM)

@@ -1,10 +1,14 @@
 """Laws of what the dashboard shows, without a browser."""
 
+import logging
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from queue import SimpleQueue
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,19 +16,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 from websockets.datastructures import Headers
 
-from dashboard import colours, faults, geometry, tables, words
+from dashboard import colours, faults, geometry, server, tables, words
 from dashboard.desk import Desk
+from dashboard.feed import Feed
 from dashboard.history import SERIES_POINTS, History
-from dashboard.layers import held_plans
+from dashboard.layers import held_plans, outline_colours
 from dashboard.links import LOST_SECONDS, LinkView, links
-from dashboard.plans import PlanLog
+from dashboard.page import Page
+from dashboard.plans import KEPT_BYTES, PLAN_BYTES, PlanLog
 from dashboard.server import refused, serve
 from formation import unicycle
-from formation.errors import EchelonError
+from formation.errors import EchelonError, WireError
 from formation.faults import links_named
-from network.codec import encode
+from formation.scenario import load
+from network import keys
+from network.codec import encode, seal
 from network.control import Operation, Pause, SetFault
-from network.messages import Event, LinkCounts, Plan, Reply, State, Status
+from network.messages import Event, LinkCounts, Plan, Reply, Setup, State, Status
+from network.session import Incoming, Router, Sample, Session, Wake
 
 ROOT = Path(__file__).parents[1]
 
@@ -139,13 +148,39 @@ def test_a_plan_is_found_by_its_number(step: int, arrived: list[bool]) -> None:
 
 
 def test_garbage_among_plans_is_passed_over() -> None:
-    log = PlanLog(1, 3)
-    log.add(b"garbage")
-    assert log.newest() is None
+    rejected: list[WireError] = []
+    log = PlanLog(1, 3, rejected.append)
+    for damaged in (b"garbage", b"", encode(plan(1, 1))[:-1], seal(bytes(PLAN_BYTES))):
+        with pytest.raises(WireError):
+            log.add(damaged)
     log.add(encode(plan(2, 1)))
     assert log.newest() is None
-    log.add(encode(plan(1, 2)))
+    for seq in (2, 3):
+        log.add(encode(plan(1, seq)))
+        for _ in range(20):
+            log.add(seal(b"whole, but not a plan"))
+    found = log.newest()
+    assert found is not None
+    assert found.seq == 3
+    held = log.numbered(2, 0)
+    assert held is not None
+    assert held.seq == 2
+    assert len(rejected) == 41, "each is told once"
+
+
+def test_the_largest_plan_there_can_be_is_kept() -> None:
+    log = PlanLog(64, 64)
+    largest = 2**62
+    log.add(encode(Plan(64, largest, 1e300, largest, np.full(3, 0.1), 0.1, np.full((100, 2), 0.1))))
     assert log.newest() is not None
+
+
+def test_the_memory_for_plans_is_bounded_in_bytes() -> None:
+    log = PlanLog(1, 64)
+    payload = seal(bytes(PLAN_BYTES - 4))
+    for _ in range(200):
+        log.add(payload)
+    assert sum(entry.size for entry in log._entries) <= KEPT_BYTES // 64
 
 
 def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None:
@@ -230,11 +265,26 @@ def test_a_wrong_port_is_a_mistake_of_the_users(port: str) -> None:
     assert "expected a port from 0 to 65535" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("host", "address"),
+    [
+        ("127.0.0.1", "http://127.0.0.1:8090"),
+        ("localhost", "http://localhost:8090"),
+        ("::1", "http://[::1]:8090"),
+        ("0.0.0.0", "http://127.0.0.1:8090"),
+        ("172.17.0.2", "http://127.0.0.1:8090"),
+    ],
+)
+def test_the_address_that_is_printed_is_one_that_is_let_in(host: str, address: str) -> None:
+    assert server.address(host, 8090) == address
+    assert refused(Headers({"Host": address.removeprefix("http://")})) is None
+
+
 class _World:
     """Answers as a world does."""
 
-    def __init__(self, reply: Reply | None) -> None:
-        self.reply, self.asked = reply, list[Operation]()
+    def __init__(self, reply: Reply | None, *, connected: bool = True) -> None:
+        self.reply, self.connected, self.asked = reply, connected, list[Operation]()
 
     def ask(self, operation: Operation) -> Reply | None:
         self.asked.append(operation)
@@ -246,7 +296,7 @@ class _Feed:
         pass
 
 
-def _desk(world: _World, told: list[str]) -> Desk:
+def _desk(world: _World | Session, told: list[str]) -> Desk:
     desk = Desk(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
     desk.start()
     return desk
@@ -271,8 +321,37 @@ def test_silence_is_told_too() -> None:
     told: list[str] = []
     desk = _desk(_World(None), told)
     desk.ask(Pause(), 3)
-    _wait(lambda: len(told) == 1 and "No answer" in told[0])
+    _wait(lambda: len(told) == 1 and "No answer: The world did not answer" in told[0])
     desk.stop()
+
+
+def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
+    endpoint = f"unixsock-stream/{tmp_path}/router"
+    router = Router(endpoint)
+    told: list[str] = []
+    with Session(endpoint, "x") as session:
+        router.close()
+        _wait(lambda: not session.connected)
+        desk = _desk(session, told)
+        desk.ask(Pause(), 3)
+        _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
+        desk.stop()
+
+
+def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureFixture) -> None:
+    class Broken(_World):
+        def ask(self, operation: Operation) -> Reply | None:
+            super().ask(operation)
+            raise RuntimeError
+
+    told: list[str] = []
+    desk = _desk(Broken(None), told)
+    desk.ask(Pause(), 3)
+    desk.ask(Pause(), None)
+    _wait(lambda: len(told) == 2)
+    desk.stop()
+    assert told == [f"{page} The world could not be asked: RuntimeError" for page in (3, None)]
+    assert len(caplog.records) == 1
 
 
 def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
@@ -285,3 +364,140 @@ def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> 
     desk.stop()
     assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
     assert world.asked[2] == Pause()
+
+
+class _Line:
+    """A session on which a test says what comes in."""
+
+    run, connected = "x", True
+
+    def __init__(self) -> None:
+        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
+
+    def subscribe(self, key: str) -> None:
+        pass
+
+    def watch(self) -> None:
+        pass
+
+    def appear(self, role: str) -> None:
+        pass
+
+    def wake(self) -> None:
+        self.inbox.put(Wake())
+
+    def setup(self) -> Setup:
+        return Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+
+
+def _take(feed: Feed, key: str, payload: bytes) -> bool:
+    """Whether it was taken, not rejected."""
+    before = feed._rejects.count
+    try:
+        feed._take(Sample(key, payload))
+    except WireError as error:
+        feed._rejects.add(key, error)
+    return feed._rejects.count == before
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"stopped": [64]},
+        {"live": [0]},
+        {"waiting_for": [4]},
+        {"slots": np.zeros((2, 3))},
+        {"faults": {"1->2": {"loss": "x"}}},
+        {"faults": {"1->2": {"loss": 1.5}}},
+        {"faults": {"1->2": {"cut": [[]]}}},
+        {"faults": {"1->2": {"speed": 1.0}}},
+    ],
+)
+def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
+    feed = Feed(_Line())  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state()))
+    assert not _take(feed, keys.state("x"), encode(state(stamp=2.0, **changes)))
+    said = feed.seen().state
+    assert said is not None
+    assert said.stamp == 1.0
+
+
+def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
+    feed = Feed(_Line())  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
+    said = feed.seen().state
+    assert said is not None
+    assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
+
+
+def test_damaged_plans_are_counted() -> None:
+    feed = Feed(_Line())  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state()))
+    feed.learn()
+    assert _take(feed, keys.plan("x", 1), encode(plan(1, 5)))
+    assert not _take(feed, keys.plan("x", 1), b"garbage")
+    assert _take(feed, keys.plan("x", 1), seal(b"whole, but not a plan"))
+    found = feed.seen().plans[1].newest()
+    assert found is not None
+    assert found.seq == 5
+    assert feed._rejects.count == 2
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    """A page of three robots that nobody looks at."""
+    served = serve("127.0.0.1", 0, "x")
+    made = Page(served, _Line())  # type: ignore[arg-type]
+    assert _take(made._feed, keys.state("x"), encode(state()))
+    made._feed.learn()
+    assert made._frame() == 3
+    yield made
+    server.stop(served)
+
+
+@pytest.mark.parametrize("choice", ["Robot ", "Robot x", "Robot -5: from and to", "", "9 → 1"])
+def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, choice: str) -> None:
+    panel = page._faults
+    panel._target.value = choice
+    assert list(panel.target) == []
+    assert faults.worst({"1->2": {"loss": 1.0}}, panel.target, 3)["loss"] == 0.0
+    panel.draw(state())
+    assert list(panel.target) == ["all"]
+
+
+@pytest.mark.parametrize("choice", ["Robot -5", "Robot 4", "Robot", ""])
+def test_a_robot_that_is_not_offered_is_not_followed(page: Page, choice: str) -> None:
+    client: Any = SimpleNamespace(client_id=1)
+    page._focus_chosen(SimpleNamespace(client=client, target=SimpleNamespace(value=choice)))  # type: ignore[arg-type]
+    for robot in (-4, 0, 4):
+        page._focus_on(client, robot)
+    assert page._scene.focus is None
+    page._focus_on(client, 3)
+    assert page._scene.focus == 3
+    for focus in (-4, 0, 4):
+        np.testing.assert_array_equal(outline_colours(3, set(), set(), focus), outline_colours(3, set(), set(), None))
+
+
+def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
+    page: Page, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    drawn: list[int] = []
+
+    def frame() -> int:
+        drawn.append(len(drawn))
+        if len(drawn) <= 3:
+            raise IndexError("odd value")
+        return 3
+
+    monkeypatch.setattr(page, "_frame", frame)
+
+    class _Lifetime:
+        @property
+        def over(self) -> bool:
+            return len(drawn) >= 6
+
+    page.serve(_Lifetime())  # type: ignore[arg-type]
+    assert len(drawn) == 6
+    errors = [record for record in caplog.records if record.levelno == logging.ERROR]
+    assert len(errors) == 1, "once a second"
+    assert "drawing a frame" in errors[0].getMessage()

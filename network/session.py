@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from queue import SimpleQueue
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import zenoh
 
@@ -29,8 +29,7 @@ CLOSE_SECONDS = 2.0
 """Closing on a dead link would take ten seconds."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
+class Sample(NamedTuple):
     """A payload that somebody published."""
 
     key: str
@@ -115,9 +114,14 @@ class Session:
 
     def subscribe(self, key: str) -> None:
         """Samples on this key expression go to the inbox from now on."""
+        if "*" in key:
 
-        def take(sample: zenoh.Sample) -> None:
-            self.inbox.put(Sample(str(sample.key_expr), sample.payload.to_bytes()))
+            def take(sample: zenoh.Sample) -> None:
+                self.inbox.put(Sample(str(sample.key_expr), sample.payload.to_bytes()))
+        else:
+
+            def take(sample: zenoh.Sample) -> None:
+                self.inbox.put(Sample(key, sample.payload.to_bytes()))
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 

@@ -1,6 +1,6 @@
 """Makes the README's pictures of the page: healthy.png and broken.png beside this file.
 
-.venv/bin/python docs/make_pictures.py [--chromium /usr/bin/chromium]
+.venv/bin/python -m docs.make_pictures [--chromium /usr/bin/chromium]
 """
 
 import argparse

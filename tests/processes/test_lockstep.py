@@ -61,10 +61,12 @@ def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, 
 
                 def finished() -> bool:
                     supervisor.watch(0.0)
-                    item = session.inbox.get(timeout=30)
-                    with contextlib.suppress(WireError):
-                        return isinstance(item, Sample) and decode(State, item.payload).status == "finished"
-                    return False
+                    over = False
+                    while not (over or session.inbox.empty()):
+                        item = session.inbox.get()
+                        with contextlib.suppress(WireError):
+                            over = isinstance(item, Sample) and decode(State, item.payload).status == "finished"
+                    return over
 
                 wait_for(finished, 60.0)
                 if settle is not None:

@@ -57,44 +57,19 @@ class Game:
     def _improve(
         self, k: int, poses: FloatArray, inputs: FloatArray, r: FloatArray, targets: FloatArray | None
     ) -> tuple[FloatArray, float]:
-        pair = self._pair
-        block, row = pair.block(k)
         out = np.empty_like(inputs)
-        change = improve(
-            poses,
-            inputs,
-            block.slots,
-            block.inputs if targets is None else targets,
-            pair.psi,
-            row,
-            pair.stride,
-            pair.interval,
-            pair.distance,
-            self._q,
-            r,
-            pair.limits,
-            out,
-        )
+        change = improve(poses, inputs, *self._task(k, targets), r, self._pair.limits, out)
         return out, change
 
     def _cost(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
+        return float(cost(poses, inputs, *self._task(k, None), self._r))
+
+    def _task(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
+        """What both kernels are told of the task at tick k, in their order: slots, targets, psi, ..., q."""
         pair = self._pair
         block, row = pair.block(k)
-        return float(
-            cost(
-                poses,
-                inputs,
-                block.slots,
-                block.inputs,
-                pair.psi,
-                row,
-                pair.stride,
-                pair.interval,
-                pair.distance,
-                self._q,
-                self._r,
-            )
-        )
+        aims = block.inputs if targets is None else targets
+        return block.slots, aims, pair.psi, row, pair.stride, pair.interval, pair.distance, self._q
 
 
 class Nash:

@@ -80,7 +80,7 @@ class Mind:
                 tick = decode(Tick, sample.payload)
                 if tick.sender != WORLD:
                     raise WireError(f"expected the world's tick; got one of {tick.sender}")
-                newest = self._tick or self._last_tick
+                newest = self._last_tick
                 self._repeat |= newest is not None and (tick.epoch, tick.seq) == (newest.epoch, newest.seq)
                 if newest is None or tick.epoch != newest.epoch or tick.seq >= newest.seq:
                     self._tick = self._last_tick = tick

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 from fleet.runs import find
 from formation import scenario
@@ -66,6 +67,12 @@ def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
     """The scenario, and the key=value settings that make it from its file. Raises ScenarioError."""
     changes = settings(options)
     return scenario.load(options.scenario, changes), changes
+
+
+def source(options: argparse.Namespace) -> str:
+    """The scenario's name, or its file as every process finds it."""
+    name: str = options.scenario
+    return str(Path(name).resolve()) if name.endswith(".toml") or "/" in name else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_scenario, load, tell
+from cli.options import add_scenario, load, source, tell
 from fleet.compiling import ensure_compiled
 from fleet.live import LiveRun
 from formation.errors import EchelonError
@@ -60,9 +60,8 @@ def _processes(
     scenario: Scenario, options: argparse.Namespace, settings: list[str], report: Callable[[float], None]
 ) -> dict[str, Any]:
     speed = 1.0 if options.realtime else 0.0
-    source = options.scenario if not options.scenario.endswith(".toml") else os.path.abspath(options.scenario)
     name = f"run-{os.getpid()}"
-    with LiveRun(name, scenario, source, settings, tell=tell, speed=speed, realtime=options.realtime) as live:
+    with LiveRun(name, scenario, source(options), settings, tell=tell, speed=speed, realtime=options.realtime) as live:
         while live.watch():
             state = live.state
             if state is None:

@@ -1,8 +1,6 @@
 """Talking with the world of a live run from a command."""
 
 import contextlib
-from queue import Empty
-from time import monotonic
 
 from formation.errors import EchelonError, WireError
 from network import keys
@@ -35,12 +33,7 @@ def newest_state(session: Session) -> State:
         EchelonError: it says nothing.
     """
     session.subscribe(keys.state(session.run))
-    until = monotonic() + ANSWER_SECONDS
-    while monotonic() < until:
-        try:
-            item = session.inbox.get(timeout=0.1)
-        except Empty:
-            continue
+    for item in session.incoming(ANSWER_SECONDS):
         if isinstance(item, Sample):
             with contextlib.suppress(WireError):  # somebody else's garbage
                 return decode(State, item.payload)

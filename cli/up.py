@@ -2,9 +2,8 @@
 
 import argparse
 import socket
-from pathlib import Path
 
-from cli.options import add_scenario, load, tell
+from cli.options import add_scenario, load, source, tell
 from fleet.live import LiveRun
 from fleet.runs import free_name
 from formation.errors import EchelonError
@@ -34,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     with LiveRun(
         name,
         scenario,
-        _absolute(options.scenario),
+        source(options),
         settings,
         tell=tell,
         dashboard=dashboard,
@@ -71,7 +70,3 @@ def _port(port: int) -> int:
                 "(0 takes any free one)"
             ) from None
         return int(probe.getsockname()[1])
-
-
-def _absolute(source: str) -> str:
-    return str(Path(source).resolve()) if source.endswith(".toml") or "/" in source else source

@@ -92,10 +92,9 @@ def decode(kind: type[M], payload: bytes) -> M:
     Raises:
         WireError: they do not hold one; the text says in a line what was expected.
     """
+    packed = unseal(payload)
     try:
-        body = msgpack.unpackb(unseal(payload))
-    except WireError:
-        raise
+        body = msgpack.unpackb(packed)
     except Exception as error:  # msgpack raises ValueError, its own types, RecursionError, ...
         raise WireError(f"expected MessagePack; {type(error).__name__}") from None
     if not isinstance(body, dict):

@@ -2,8 +2,6 @@
 
 import argparse
 import sys
-from queue import Empty
-from time import monotonic
 
 from formation.errors import EchelonError
 from network.session import Presence, Session
@@ -29,15 +27,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _seen(session: Session, role: str, number: int) -> bool:
     session.watch()
-    until = monotonic() + SECONDS
-    while monotonic() < until:
-        try:
-            item = session.inbox.get(timeout=0.1)
-        except Empty:
-            continue
-        if isinstance(item, Presence) and item.here and (item.role, item.number) == (role, number):
-            return True
-    return False
+    wanted = Presence(role, number, here=True)
+    return any(item == wanted for item in session.incoming(SECONDS))
 
 
 if __name__ == "__main__":

@@ -8,9 +8,10 @@ limit. This is the only module that imports zenoh.
 import json
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
+from time import monotonic
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
@@ -201,6 +202,15 @@ class Session:
                 key, zenoh.handlers.Callback(take, indirect=False), history=True
             )
         )
+
+    def incoming(self, seconds: float) -> Iterator[Incoming]:
+        """What comes in within so long [s], as it comes; the reader may stop earlier."""
+        until = monotonic() + seconds
+        while (left := until - monotonic()) > 0:
+            try:
+                yield self.inbox.get(timeout=left)
+            except Empty:
+                return
 
     def wake(self) -> None:
         """Wake whoever waits for the inbox; safe in a signal handler."""

@@ -8,9 +8,57 @@ from agents.agent import Agent
 from formation.pattern import downstream
 from formation.scenario import Scenario
 from network.messages import Plan
+from world.trace import Trace
 from world.world import World
 
 PROGRESS_TICKS = 50
+
+
+class Flight:
+    """A flight of the scenario, tick by tick."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.world = World(scenario)
+        self.agents = {robot: Agent(scenario, robot, epoch=self.world.epoch) for robot in self.world.robots}
+        self.world.live = set(self.agents)
+        self._revision = -1
+        self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
+
+    @property
+    def trace(self) -> Trace:
+        """What has happened so far."""
+        assert self.world.trace is not None  # only an endless world keeps none
+        return self.world.trace
+
+    @property
+    def finished(self) -> bool:
+        """Whether the scenario's duration is over."""
+        return self.world.finished
+
+    def step(self) -> None:
+        """One tick: everybody hears, decides, moves."""
+        world, agents = self.world, self.agents
+        tick = world.tick()
+        if tick.revision != self._revision:
+            self._revision = tick.revision
+            for agent in agents.values():
+                agent.set_faults(world.faults.table)
+        for plan in self._plans:
+            agents[downstream(plan.sender, len(agents))].receive(plan)
+        answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
+        if tick.last:
+            for agent in agents.values():
+                world.hear(agent.status(tick.seq, tick.stamp))
+        self._plans = [answer.plan for answer in answers.values() if answer.plan is not None]
+        world.advance({robot: answer.command for robot, answer in answers.items()})
+
+    def fly(self, progress: Callable[[float], None] | None = None) -> Trace:
+        """On to the end; `progress` is called now and then with the simulated time [s]."""
+        while not self.finished:
+            self.step()
+            if progress and self.world.k % PROGRESS_TICKS == 0:
+                progress(self.world.now)
+        return self.trace
 
 
 def fly(scenario: Scenario, *, progress: Callable[[float], None] | None = None, warmup: float = 0.0) -> dict[str, Any]:
@@ -22,26 +70,7 @@ def fly(scenario: Scenario, *, progress: Callable[[float], None] | None = None, 
         warmup: measures start at this simulated time [s].
     """
     began = perf_counter()
-    world = World(scenario)
-    agents = {robot: Agent(scenario, robot, epoch=world.epoch) for robot in world.robots}
-    world.live = set(agents)
-    revision = -1
-    plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
-    while not world.finished:
-        tick = world.tick()
-        if tick.revision != revision:
-            revision = tick.revision
-            for agent in agents.values():
-                agent.set_faults(world.faults.table)
-        for plan in plans:
-            agents[downstream(plan.sender, len(agents))].receive(plan)
-        answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
-        if tick.last:
-            for agent in agents.values():
-                world.hear(agent.status(tick.seq, tick.stamp))
-        plans = [answer.plan for answer in answers.values() if answer.plan is not None]
-        world.advance({robot: answer.command for robot, answer in answers.items()})
-        if progress and tick.seq % PROGRESS_TICKS == 0:
-            progress(world.now)
-    summary = world.summary(warmup=warmup)
+    flight = Flight(scenario)
+    flight.fly(progress)
+    summary = flight.world.summary(warmup=warmup)
     return {**summary, "engine": "inprocess", "wall_s": perf_counter() - began}

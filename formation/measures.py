@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.pattern import Pattern, rotate
+from formation.pattern import rotate
 from formation.unicycle import wrap
 
 
@@ -14,21 +14,32 @@ def wrapped(angles: FloatArray) -> FloatArray:
     return np.arctan2(np.sin(angles), np.cos(angles))
 
 
-def pattern_errors(poses: FloatArray, pattern: Pattern, theta_r: FloatArray) -> tuple[FloatArray, FloatArray]:
+def pairs(places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Pattern q = (l, psi) of every robot and its upstream neighbour (section 2.1).
+
+    Args:
+        places: (..., n, 2 or more) where the robots, or their slots, are.
+
+    Returns:
+        l = |p_i - p_-i| [m] and psi = atan2(x_i - x_-i, y_-i - y_i) [rad], each (..., n).
+    """
+    gap = places[..., :2] - np.roll(places[..., :2], 1, axis=-2)
+    return np.hypot(gap[..., 0], gap[..., 1]), np.arctan2(gap[..., 0], -gap[..., 1])
+
+
+def pattern_errors(poses: FloatArray, slots: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Distance and angle errors of every pair: l_e = l_r - l [m] and psi_e = psi_r - psi [rad] (section 2.1).
 
     Args:
-        poses: (..., n, 3) poses of all robots.
-        pattern: the pattern of n pairs.
-        theta_r: (...) heading of the reference path [rad].
+        poses: (..., n, 2 or more) poses of all robots.
+        slots: (..., n, 2 or more) where they should be; only what they are to each other counts.
 
     Returns:
         l_e and psi_e, each (..., n).
     """
-    other = np.roll(poses, 1, axis=-2)
-    dx, dy = poses[..., 0] - other[..., 0], poses[..., 1] - other[..., 1]
-    angle = theta_r[..., None] + pattern.angle - np.arctan2(dx, -dy)
-    return np.subtract(pattern.distance, np.hypot(dx, dy)), wrapped(angle)
+    distance, angle = pairs(poses)
+    wanted, wanted_angle = pairs(slots)
+    return wanted - distance, wrapped(wanted_angle - angle)
 
 
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:

@@ -61,6 +61,11 @@ class Reference:
             self._block = self._rows(first, BLOCK_TICKS + self._ahead + 1)
         return self._block
 
+    def positions(self, t: FloatArray) -> FloatArray:
+        """Where the slots are at times t: (T, n, 2) [m]."""
+        theta = heading(self._path, t, self._stride * self._tick)
+        return self._path.position(t)[:, None] + rotate(theta[:, None], self._offsets)
+
     def _rows(self, first: int, count: int) -> Block:
         interval = self._stride * self._tick
         t = timeline(first, first + count + self._stride, self._tick)
@@ -79,17 +84,12 @@ class Reference:
 
     def _slots(self, t: FloatArray, interval: float) -> FloatArray:
         """Slot poses (T, n, 3) at times t."""
-
-        def positions(at: FloatArray) -> FloatArray:
-            theta = heading(self._path, at, interval)
-            return self._path.position(at)[:, None] + rotate(theta[:, None], self._offsets)
-
         theta = heading(self._path, t, interval)[:, None]
-        velocity = (positions(t + DERIVATIVE_STEP) - positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
+        velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
         body = rotate(-theta, velocity)
         # A slot that moves backwards keeps its nose within pi/2 of the path's heading and has v < 0.
         drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-        return np.concatenate([positions(t), (theta + drift)[..., None]], axis=-1)
+        return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)
 
 
 def _inputs(now: FloatArray, later: FloatArray, interval: float) -> FloatArray:

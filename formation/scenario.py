@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from formation.arrays import FloatArray, frozen
+from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError, ScenarioError, unknown
 from formation.faults import Fault, ScheduledFault, links_named
 from formation.model import Duration, Model, NonNegative, Positive
@@ -155,6 +156,8 @@ class Scenario(Model):
     link: Fault = Fault()
     """What every link between robots does unless a fault says otherwise."""
     faults: tuple[ScheduledFault, ...] = ()
+    disturbances: tuple[Disturbance, ...] = ()
+    """What befalls the bodies."""
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
@@ -177,6 +180,8 @@ class Scenario(Model):
                 links_named(fault.link, self.size)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
+        for line in robots_missing(self.disturbances, self.size):
+            raise ValueError(line)
         return self
 
     @property

@@ -51,7 +51,7 @@ def test_wrapped_angles_are_within_half_a_turn() -> None:
 @given(OFFSETS, PLACE, PLACE, ANGLE)
 def test_errors_vanish_in_perfect_formation(offsets: Any, x: Any, y: Any, theta: Any) -> None:
     poses = placed(offsets, x, y, theta)
-    distance, angle = pattern_errors(poses, pattern(offsets), np.array(theta))
+    distance, angle = pattern_errors(poses, placed(offsets, 0.0, 0.0, theta))
     np.testing.assert_allclose(distance, 0.0, atol=1e-12)
     np.testing.assert_allclose(angle, 0.0, atol=1e-12)
     assert tracking_error(poses, np.array([x, y])) == pytest.approx(0.0, abs=1e-12)
@@ -69,8 +69,9 @@ def test_pattern_errors_do_not_change_under_a_rigid_motion_of_the_whole_scene(
     theta_r = data.draw(ANGLE)
     noise = np.random.default_rng(seed).normal(0.0, 0.01, (len(offsets), 3))
     poses = placed(offsets, 0.3, -0.2, theta_r) + noise
-    here = pattern_errors(poses, pattern(offsets), np.array(theta_r))
-    there = pattern_errors(moved(poses, angle, dx, dy), pattern(offsets), np.array(theta_r + angle))
+    slots = placed(offsets, 0.0, 0.0, theta_r)
+    here = pattern_errors(poses, slots)
+    there = pattern_errors(moved(poses, angle, dx, dy), moved(slots, angle, dx, dy))
     assert np.abs(here[0]).max() > 1e-6  # the formation is not perfect
     np.testing.assert_allclose(there[0], here[0], atol=1e-10)
     np.testing.assert_allclose(there[1], here[1], atol=1e-10)
@@ -127,7 +128,7 @@ def test_the_compiled_error_state_is_the_same(pair: Any, x_r: Any, y_r: Any, the
 def test_pattern_errors_are_the_last_two_of_the_error_state(pair: Any, theta: Any) -> None:
     offsets = line(2, 0.1)
     p = pattern(offsets)
-    distance, angle = pattern_errors(np.array(pair), p, np.array(theta))
+    distance, angle = pattern_errors(np.array(pair), placed(offsets, 0.0, 0.0, theta))
     for i in range(2):
         z = error_state(
             pair[i], pair[1 - i], np.array([0.0, 0.0, theta]), p.distance[i], theta + p.angle[i], p.centre[i]
@@ -140,27 +141,26 @@ def test_a_known_displacement_gives_known_errors() -> None:
     offsets = line(2, 0.1)  # robot 2 stands left of robot 1
     poses = placed(offsets, 0.0, 0.0, 0.0)
     poses[1, 1] += 0.02  # 2 cm further left: both see 2 cm too much
-    distance, angle = pattern_errors(poses, pattern(offsets), np.array(0.0))
+    distance, angle = pattern_errors(poses, placed(offsets, 1.0, 2.0, 0.0))
     np.testing.assert_allclose(distance, [-0.02, -0.02], atol=1e-15)
     np.testing.assert_allclose(angle, 0.0, atol=1e-15)
     assert tracking_error(poses, np.zeros(2)) == pytest.approx(0.01)
     poses = placed(offsets, 0.0, 0.0, 0.0)
     poses[0, 0] += 0.1  # robot 1 a spacing ahead: the edge points 45 degrees further left
-    distance, angle = pattern_errors(poses, pattern(offsets), np.array(0.0))
+    distance, angle = pattern_errors(poses, placed(offsets, 1.0, 2.0, 0.0))
     np.testing.assert_allclose(distance, 0.1 - 0.1 * math.sqrt(2), atol=1e-15)
     np.testing.assert_allclose(angle, -math.pi / 4, atol=1e-12)
 
 
 def test_many_times_are_measured_at_once_as_one_by_one() -> None:
     generator = np.random.default_rng(4)
-    offsets = polygon(3, 0.1)
-    poses, theta = generator.normal(size=(7, 3, 3)), generator.normal(size=7)
+    poses, slots = generator.normal(size=(2, 7, 3, 3))
     centre = generator.normal(size=(7, 2))
-    distance, angle = pattern_errors(poses, pattern(offsets), theta)
+    distance, angle = pattern_errors(poses, slots)
     assert distance.shape == angle.shape == (7, 3)
     tracking = tracking_error(poses, centre)
     for k in range(7):
-        one = pattern_errors(poses[k], pattern(offsets), theta[k])
+        one = pattern_errors(poses[k], slots[k])
         np.testing.assert_array_equal(one[0], distance[k])
         np.testing.assert_array_equal(one[1], angle[k])
         assert tracking_error(poses[k], centre[k]) == tracking[k]

@@ -55,7 +55,8 @@ def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon() -> None:
 @pytest.mark.parametrize("name", [*SMOOTH, "spiral", "square-figure8", "triangle-corner"])
 def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name: Any) -> None:
     scenario, block = flown(name)
-    distance, angle = pattern_errors(block.slots, scenario.pattern, block.centre[:, 2])
+    placed = rotate(block.centre[:, None, 2], scenario.formation.array)
+    distance, angle = pattern_errors(block.slots, placed)
     assert np.abs(distance).max() < 1e-12
     assert np.abs(angle).max() < 1e-10
     np.testing.assert_allclose(block.slots[..., :2].mean(axis=1), block.centre[:, :2], atol=1e-12)

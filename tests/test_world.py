@@ -12,10 +12,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formation.errors import FaultError
+from formation.arrays import FloatArray
+from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
 from formation.measures import pattern_errors, tracking_error
 from formation.paths import heading
+from formation.pattern import rotate
 from formation.scenario import Scenario, load
 from formation.unicycle import step
 from network.codec import decode, encode
@@ -268,12 +270,17 @@ def test_state_and_setup_go_over_the_wire_and_come_back() -> None:
     assert (setup.epoch, setup.revision, setup.faults) == (w.epoch, w.revision, again.faults)
 
 
+def slots(scenario: Scenario, t: FloatArray) -> FloatArray:
+    """The formation (..., n, 2) along the path, as the paper samples its heading."""
+    turned = rotate(heading(scenario.path, t, 0.1)[..., None], scenario.formation.array)
+    return scenario.path.position(t)[..., None, :] + turned
+
+
 def test_the_state_shows_the_errors_of_now() -> None:
     w = world()
     fly(w, 40)
     state = w.state(seq=0, status="running")
-    theta = heading(w.scenario.path, np.array(0.4), 0.1)
-    distance, angle = pattern_errors(w.plant.poses, w.scenario.pattern, theta)
+    distance, angle = pattern_errors(w.plant.poses, slots(w.scenario, np.array(0.4)))
     np.testing.assert_allclose(state.distance_errors, distance, atol=1e-12)
     np.testing.assert_allclose(state.angle_errors, angle, atol=1e-9)
     centre = w.scenario.path.position(np.array(0.4))
@@ -336,7 +343,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         s = w.summary(warmup=warmup)
         track = np.array(poses)
         t = np.arange(first, 61) * TICK
-        distance, angle = pattern_errors(track[first:], w.scenario.pattern, heading(w.scenario.path, t, 0.1))
+        distance, angle = pattern_errors(track[first:], slots(w.scenario, t))
         off = tracking_error(track[first:], w.scenario.path.position(t))
         measures = [
             (s["robots"][str(i + 1)][key], values[:, i])
@@ -387,7 +394,7 @@ def test_a_trace_is_full_at_its_last_tick() -> None:
     trace.start(np.zeros((2, 3)))
     for full in (False, True):
         assert not trace.full
-        trace.add(np.zeros((2, 3)), {})
+        trace.add(np.zeros((2, 3)), np.zeros((2, 2)), {})
         assert trace.full is full
 
 
@@ -472,3 +479,43 @@ def test_without_noise_what_is_measured_is_true() -> None:
     p = plant()
     assert p.measure() is p.poses
     assert not p.poses.flags.writeable
+
+
+def test_a_stuck_robot_stands_still_and_a_slowed_one_does_its_share() -> None:
+    w = world("disturbances=[{robot=2, at=0.1, until=0.2, drive=0.0}, {robot=3, at=0.1, until=0.2, drive=0.5}]")
+    free = world()
+    fly(w, 10)
+    fly(free, 10)
+    np.testing.assert_array_equal(w.plant.poses, free.plant.poses)  # nothing has begun
+    before = w.plant.poses
+    fly(w, 10)
+    fly(free, 10)
+    np.testing.assert_array_equal(w.plant.poses[1], before[1])
+    np.testing.assert_array_equal(w.plant.poses[0], free.plant.poses[0])
+    assert w.plant.poses[2, 2] - before[2, 2] == pytest.approx(0.5 * (free.plant.poses[2, 2] - before[2, 2]))
+    before = w.plant.poses
+    fly(w, 1)
+    assert math.dist(w.plant.poses[1, :2], before[1, :2]) == pytest.approx(0.1 * TICK)  # released
+
+
+def test_a_push_carries_a_robot_beyond_its_own_motion() -> None:
+    w = world("disturbances=[{robot=1, at=0.0, until=0.5, drift=[0.1, -0.2, 0.3]}]")
+    start = w.plant.poses
+    for _ in range(60):
+        w.plant.move(np.zeros((3, 2)))
+    np.testing.assert_allclose(w.plant.poses - start, [[0.05, -0.1, 0.15], [0, 0, 0], [0, 0, 0]], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ("{robot=4, at=1, until=2, drive=0.0}", ["disturbances[0].robot", "1 to 3", "4"]),
+        ("{robot=1, at=2, until=1, drive=0.0}", ["until > at"]),
+        ("{robot=1, until=1}", ["drive below 1, or a drift"]),
+        ("{robot=1, until=1, drive=2.0}", ["disturbances[0].drive"]),
+    ],
+)
+def test_a_wrong_disturbance_is_named(entry: Any, words: Any) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        load("triangle-circle", [f"disturbances=[{entry}]"])
+    assert all(word in str(caught.value) for word in words)

@@ -1,9 +1,10 @@
-"""The bodies: unicycles with wheel slip, and the noisy localisation that agents get (THEORY section 5)."""
+"""The bodies: unicycles that slip, get stuck and are pushed, and the noisy localisation of agents (THEORY section 5)."""
 
 import numpy as np
 
 from formation import unicycle
 from formation.arrays import FloatArray, frozen
+from formation.disturbances import Disturbance
 from formation.scenario import Scenario
 
 
@@ -14,6 +15,8 @@ class Plant:
         self._limits = scenario.robots.limits
         self._noise = scenario.noise
         self._dt = scenario.control_interval
+        self._disturbances = scenario.disturbances
+        self._k = 0
         self._slips = scenario.noise.slip > 0.0 or scenario.noise.gyro > 0.0
         self._blurs = scenario.noise.position > 0.0 or scenario.noise.heading > 0.0
         # Two streams, so that switching one kind of noise on does not change the draws of the other.
@@ -37,8 +40,28 @@ class Plant:
             n = self._slip_draws.standard_normal((len(inputs), 3))
             v = v * (1.0 + self._noise.slip * n[:, 0])
             omega = omega * (1.0 + self._noise.slip * n[:, 1]) + self._noise.gyro * n[:, 2]
+        if self._disturbances:
+            v, omega = self._held_back(v, omega)
         moved = [
             unicycle.step(x, y, theta, a, b, self._dt)
             for (x, y, theta), a, b in zip(self.poses.tolist(), v.tolist(), omega.tolist(), strict=True)
         ]
-        self.poses = frozen(moved)
+        self.poses = frozen(moved + self._dt * self._drift() if self._disturbances else moved)
+        self._k += 1
+
+    def _held_back(self, v: FloatArray, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What is left of the inputs (n,) each of robots that are slowed or stuck."""
+        share = np.ones(len(v))
+        for entry in self._acting():
+            share[entry.robot - 1] *= entry.drive
+        return v * share, omega * share
+
+    def _drift(self) -> FloatArray:
+        """Velocities (n, 3) with which robots are pushed."""
+        drift = np.zeros_like(self.poses)
+        for entry in self._acting():
+            drift[entry.robot - 1] += entry.drift
+        return drift
+
+    def _acting(self) -> list[Disturbance]:
+        return [entry for entry in self._disturbances if entry.on(self._k * self._dt)]

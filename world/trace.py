@@ -8,7 +8,6 @@ import numpy as np
 
 from formation.arrays import FloatArray, timeline
 from formation.measures import pattern_errors, tracking_error
-from formation.paths import heading
 from formation.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
 
@@ -20,6 +19,7 @@ class Trace:
         self._scenario = scenario
         n = scenario.size
         self._poses = np.zeros((ticks + 1, n, 3))
+        self._inputs = np.zeros((ticks, n, 2))
         self._ages = np.full((ticks, n), np.nan)
         self._solves = np.full((ticks, n), np.nan)
         self._done = 0
@@ -33,15 +33,45 @@ class Trace:
         """Where the robots (n, 3) are at t = 0."""
         self._poses[0] = poses
 
-    def add(self, poses: FloatArray, commands: Mapping[int, Command]) -> None:
-        """A tick has passed; here are the poses (n, 3) after it and what the agents answered."""
+    def add(self, poses: FloatArray, inputs: FloatArray, commands: Mapping[int, Command]) -> None:
+        """A tick has passed; here are the poses (n, 3) after it, the inputs (n, 2) told to the wheels, the answers."""
         k = self._done
         for robot, command in commands.items():
             self._ages[k, robot - 1] = command.age
             if command.planned:
                 self._solves[k, robot - 1] = command.solve
         self._poses[k + 1] = poses
+        self._inputs[k] = inputs
         self._done = k + 1
+
+    @property
+    def times(self) -> FloatArray:
+        """(T + 1,) of `poses` [s]."""
+        return timeline(0, self._done + 1, self._scenario.control_interval)
+
+    @property
+    def poses(self) -> FloatArray:
+        """(T + 1, n, 3) true poses from t = 0 on [m, m, rad]."""
+        return self._poses[: self._done + 1]
+
+    @property
+    def inputs(self) -> FloatArray:
+        """(T, n, 2) what the wheels were told, tick by tick [m/s, rad/s]."""
+        return self._inputs[: self._done]
+
+    @property
+    def ages(self) -> FloatArray:
+        """(T, n) age of the plan that each robot acted on; NaN without an answer [s]."""
+        return self._ages[: self._done]
+
+    def errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """l_e (T + 1, n) [m], psi_e (T + 1, n) [rad] and the centre's distance to the path (T + 1,) [m]."""
+        return self._errors(0)
+
+    def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        t, poses = self.times[first:], self.poses[first:]
+        distance, angle = pattern_errors(poses, self._scenario.reference().positions(t))
+        return distance, angle, tracking_error(poses, self._scenario.path.position(t))
 
     def summary(
         self, counts: Mapping[str, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
@@ -55,11 +85,7 @@ class Trace:
         """
         scenario, done = self._scenario, self._done
         first = min(done, max(0, round(warmup / scenario.control_interval)))
-        poses = self._poses[: done + 1]
-        t = timeline(first, done + 1, scenario.control_interval)
-        theta = heading(scenario.path, t, scenario.controller.prediction_interval)
-        distance, angle = pattern_errors(poses[first:], scenario.pattern, theta)
-        tracking = tracking_error(poses[first:], scenario.path.position(t))
+        distance, angle, tracking = self._errors(first)
         ages = self._ages[first:done]
         solves = self._solves[first:done]
         solves = solves[np.isfinite(solves)]
@@ -70,7 +96,7 @@ class Trace:
             "duration": done * scenario.control_interval,
             "warmup": first * scenario.control_interval,
             "ticks": done,
-            "trajectory_sha256": hashlib.sha256(poses.astype("<f8").tobytes()).hexdigest(),
+            "trajectory_sha256": hashlib.sha256(self.poses.astype("<f8").tobytes()).hexdigest(),
             "robots": {
                 str(i + 1): {
                     "distance_error_m": _spread(distance[:, i]),

@@ -125,7 +125,7 @@ class World:
         inputs = np.array([self._input(robot, now) for robot in self.robots])
         self.plant.move(inputs)
         if self.trace:
-            self.trace.add(self.plant.poses, commands)
+            self.trace.add(self.plant.poses, inputs, commands)
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
         self.k += 1
         self._tick = None
@@ -259,7 +259,7 @@ class World:
         row = self.k - block.first
         centre: FloatArray = block.centre[row, :3]
         poses = self.plant.poses
-        distance, angle = pattern_errors(poses, self._scenario.pattern, centre[2])
+        distance, angle = pattern_errors(poses, block.slots[row])
         return State(
             sender=WORLD,
             seq=seq,

@@ -1,4 +1,4 @@
-"""The bodies: unicycles that slip, get stuck and are pushed, and the noisy localisation of agents (THEORY section 5)."""
+"""The bodies: unicycles that slip, get stuck and are pushed, and the noisy localisation of agents (THEORY 5)."""
 
 import numpy as np
 

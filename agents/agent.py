@@ -111,7 +111,17 @@ class Agent:
             solution = self._plan(k, stamp, own)
             solve = perf_counter() - began
             self._solves.append(solve)
-            plan = Plan(self.robot, k, stamp, self.epoch, own, self._pair.interval, solution.inputs)
+            plan = Plan(
+                self.robot,
+                k,
+                stamp,
+                self.epoch,
+                own,
+                self._pair.interval,
+                solution.inputs,
+                solution.lag,
+                solution.drift,
+            )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
         return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, plan is not None, solve), plan)

@@ -16,7 +16,8 @@ VECTOR, MATRIX, TABLE = (numba.types.Array(REAL, n, "C", readonly=True) for n in
 STRIDED_VECTOR, STRIDED = (numba.types.Array(REAL, n, "A", readonly=True) for n in (1, 2))
 """The same with any layout; slower."""
 FLAGS = numba.types.Array(numba.boolean, 1, "C", readonly=True)
-VECTOR_OUT, MATRIX_OUT, STRIDED_OUT = numba.float64[::1], numba.float64[:, ::1], numba.float64[:, :]
+VECTOR_OUT, MATRIX_OUT, TABLE_OUT = numba.float64[::1], numba.float64[:, ::1], numba.float64[:, :, ::1]
+STRIDED_OUT = numba.float64[:, :]
 """Arrays that a kernel writes."""
 
 kernel: Callable[..., Any] = numba.njit(cache=True, error_model="numpy", nogil=True)

@@ -11,6 +11,8 @@ from agents.compiled import (
     REAL,
     STRIDED,
     STRIDED_OUT,
+    TABLE,
+    TABLE_OUT,
     VECTOR,
     VECTOR_OUT,
     kernel,
@@ -73,6 +75,45 @@ def shift(inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray,
             now = inputs[j + whole, c] if j + whole < steps else tail[j, c]
             later = inputs[j + whole + 1, c] if j + whole + 1 < steps else tail[j, c]
             out[j, c] = (1.0 - part) * now + part * later
+
+
+@kernel_for(NOTHING, TABLE, TABLE, REAL, REAL, REAL, TABLE_OUT, TABLE_OUT)
+def sample(
+    slots: FloatArray,
+    inputs: FloatArray,
+    row: float,
+    stride: float,
+    pace: float,
+    out_slots: FloatArray,
+    out_inputs: FloatArray,
+) -> None:
+    """The reference over a horizon, from tables by tick.
+
+    Args:
+        slots, inputs: tables (T, n, 3) and (T, n, 2).
+        row: where the horizon begins; between rows is interpolated.
+        stride: rows from one of its points to the next, at pace 1.
+        pace: how fast the reference is flown.
+        out_slots: (N + 1, n, 3).
+        out_inputs: (N, n, 2).
+    """
+    for j in range(len(out_slots)):
+        at = row + j * stride * pace
+        k = min(int(at + 1e-9), len(slots) - 2)
+        part = max(at - k, 0.0)
+        for i in range(slots.shape[1]):
+            if part < 1e-9:
+                out_slots[j, i] = slots[k, i]
+            else:
+                for c in range(2):
+                    out_slots[j, i, c] = (1.0 - part) * slots[k, i, c] + part * slots[k + 1, i, c]
+                out_slots[j, i, 2] = slots[k, i, 2] + part * wrap(slots[k + 1, i, 2] - slots[k, i, 2])
+            if j < len(out_inputs):
+                for c in range(2):
+                    mean = (
+                        inputs[k, i, c] if part < 1e-9 else (1.0 - part) * inputs[k, i, c] + part * inputs[k + 1, i, c]
+                    )
+                    out_inputs[j, i, c] = pace * mean
 
 
 @kernel_for(NOTHING, VECTOR, STRIDED, REAL, REAL, VECTOR_OUT)

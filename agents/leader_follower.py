@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.nash import Nash
 from agents.situation import Pair, Situation, Solution
+from formation.arrays import FloatArray
 from formation.pattern import rotate
 from formation.scenario import Scenario
 from formation.unicycle import wrap
@@ -20,13 +21,12 @@ class Follower:
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
         self._pair = pair
         self._gain_x, self._gain_theta = scenario.controller.gains
-        self._place = pair.offset - pair.offset_upstream
 
     def plan(self, situation: Situation) -> Solution:
         leader, pose = situation.upstream, situation.pose
         v_l, omega_l = (float(leader.inputs[0, 0]), float(leader.inputs[0, 1])) if leader.plan else (0.0, 0.0)
         theta_l = float(leader.pose[2])
-        gap = leader.pose[:2] + rotate(np.array(theta_l), self._place) - pose[:2]
+        gap = leader.pose[:2] + rotate(np.array(theta_l), self._place(situation.k)) - pose[:2]
         e_x, e_y = rotate(np.array(-pose[2]), gap)
         e_theta = wrap(theta_l - float(pose[2]))
         ratio = math.sin(e_theta) / e_theta if abs(e_theta) > 1e-9 else 1.0
@@ -37,12 +37,18 @@ class Follower:
         now = np.clip(wished, -self._pair.limits, self._pair.limits)
         return Solution(np.tile(now, (self._pair.horizon, 1)), converged)
 
+    def _place(self, k: int) -> FloatArray:
+        """Where the robot belongs beside its leader, in the leader's frame (2,) [m]."""
+        own, other = self._pair.offsets(k)
+        place: FloatArray = own - other
+        return place
+
 
 class Leader:
     """Robot 1: `nash` with a neighbour that is always in its slot, so that nobody holds the leader back."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair, self._nash = pair, Nash(scenario, robot, pair)
+        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for nobody: it hears of nobody
 
     def plan(self, situation: Situation) -> Solution:
         slot, tail = self._pair.slot(situation.k, 1)

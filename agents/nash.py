@@ -10,23 +10,43 @@ import numpy as np
 
 from agents.kernels import shift
 from agents.nash_kernel import cost, improve
+from agents.progress import Progress
 from agents.situation import Pair, Situation, Solution
 from formation.arrays import FloatArray
-from formation.scenario import Scenario
+from formation.scenario import Controller, Scenario
 
-Q = (1.0, 1.0, 0.01, 1.0, 0.01, 0.01)
-"""Centre, centre, mean heading, radial, tangential, half-difference of headings (THEORY section 5)."""
-R = (0.01, 0.01)
+PLACE = 1.0
+"""Cost of a position error of one spacing."""
+HEADING = 1.0
+"""Cost of a heading error of one radian."""
+SPEED = 0.01
+"""Cost of a speed of one spacing per second beyond the reference's."""
+TURN = 1.0
+"""Cost of a turn rate of one radian per second beyond the reference's."""
 FROZEN = 1e12
 """Weight on the neighbour's inputs that keeps them as they are, for a best response to its plan."""
+
+
+def weights(scenario: Scenario) -> tuple[list[float], list[float]]:
+    """Diagonals of Q (6,) and R (2,), derived from the scenario unless it gives its own.
+
+    Lengths count in spacings, so that a formation twice as large on paths twice as large behaves the same; the
+    pattern counts `controller.formation` times as much as the path.
+    """
+    own, place = scenario.controller, PLACE / scenario.spacing**2
+    if own.name != "nash":
+        own = Controller()
+    pattern = own.formation * place
+    # The tangential weight is divided by the pair's own distance squared: it is that of an angle.
+    q = [place, place, HEADING, pattern, own.formation * PLACE, HEADING]
+    return own.q or q, own.r or [SPEED / scenario.spacing**2, TURN]
 
 
 class Game:
     """The pair's game: its costs, and steps towards its equilibrium."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        own = scenario.controller if scenario.controller.name == "nash" else None
-        q, r = (own.q if own else None) or Q, (own.r if own else None) or R
+        q, r = weights(scenario)
         self._pair = pair
         self._q, self._r = np.array(q, dtype=float), np.array([*r, *r], dtype=float)
         self._r_frozen = np.array([*r, FROZEN, FROZEN])
@@ -43,9 +63,8 @@ class Game:
             poses: (6,) of robot i and its neighbour.
             inputs: (N, 4) that both play.
         """
-        block, row = self._pair.block(k)
-        frozen_targets = block.inputs.copy()
-        frozen_targets[row : row + len(inputs) * self._pair.stride : self._pair.stride, 1] = inputs[:, 2:]
+        frozen_targets = self._pair.ahead(k).inputs.copy()
+        frozen_targets[:, 1] = inputs[:, 2:]
         best = inputs
         for _ in range(3):
             best, change = self._improve(k, poses, best, self._r_frozen, frozen_targets)
@@ -65,11 +84,9 @@ class Game:
         return float(cost(poses, inputs, *self._task(k, None), self._r))
 
     def _task(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
-        """What both kernels are told of the task at tick k, in their order: slots, targets, psi, ..., q."""
-        pair = self._pair
-        block, row = pair.block(k)
-        aims = block.inputs if targets is None else targets
-        return block.slots, aims, pair.psi, row, pair.stride, pair.interval, pair.distance, self._q
+        """What both kernels are told of the task at tick k, in their order: slots, targets, dt, q."""
+        ahead = self._pair.ahead(k)
+        return ahead.slots, ahead.inputs if targets is None else targets, self._pair.interval, self._q
 
 
 class Nash:
@@ -77,10 +94,13 @@ class Nash:
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
         self._pair, self._game = pair, Game(scenario, robot, pair)
+        self._progress = Progress(pair, scenario.spacing) if scenario.controller.waits else None
         self._last: tuple[int, FloatArray] | None = None
 
     def plan(self, situation: Situation) -> Solution:
         pair, k = self._pair, situation.k
+        if self._progress:
+            self._progress.update(k, situation.pose, situation.upstream.plan)
         _, target = pair.slot(k, 0)
         nominal = np.empty((pair.horizon, 4))
         if self._last is None:
@@ -96,4 +116,6 @@ class Nash:
         if not converged:
             own = np.clip(np.nan_to_num(own), -pair.limits, pair.limits)
         self._last = (k, own)
-        return Solution(own, converged)
+        if self._progress:
+            self._progress.planned(situation.pose, own)
+        return Solution(own, converged, pair.lag, self._progress.drift if self._progress else 0.0)

@@ -9,20 +9,28 @@ import math
 
 import numpy as np
 
-from agents.compiled import MATRIX, MATRIX_OUT, REAL, TABLE, VECTOR, WHOLE, kernel, kernel_for
+from agents.compiled import MATRIX, MATRIX_OUT, REAL, TABLE, VECTOR, kernel, kernel_for
 from agents.kernels import clip, derivatives, step, wrap
 from formation.arrays import FloatArray
 
 
 @kernel
-def _weight(q: FloatArray, distance: float, psi: float, w: FloatArray) -> None:
-    """W (6, 6) for coordinates (x, y, theta) of both robots. q: see formation.scenario.Controller.q."""
+def _weight(q: FloatArray, slots: FloatArray, w: FloatArray) -> None:
+    """W (6, 6) for coordinates (x, y, theta) of both robots.
+
+    Args:
+        q: see formation.scenario.Controller.q.
+        slots: (2, 3); the desired edge leads from the first to the second.
+        w: (6, 6), the result.
+    """
     w[:] = 0.0
-    c, s = math.cos(psi), math.sin(psi)
+    nx, ny = slots[1, 0] - slots[0, 0], slots[1, 1] - slots[0, 1]
+    distance = math.hypot(nx, ny)
+    nx, ny = nx / distance, ny / distance
     radial, tangential = q[3], q[4] / (distance * distance)
-    dxx = radial * s * s + tangential * c * c
-    dxy = (tangential - radial) * s * c
-    dyy = radial * c * c + tangential * s * s
+    dxx = radial * nx * nx + tangential * ny * ny
+    dxy = (radial - tangential) * nx * ny
+    dyy = radial * ny * ny + tangential * nx * nx
     for a in range(2):
         for b in range(2):
             sign = 1.0 if a == b else -1.0
@@ -100,17 +108,13 @@ def _solve4(m: FloatArray, rhs: FloatArray) -> None:
             rhs[a, col] = value / m[a, a]
 
 
-@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, VECTOR, WHOLE, WHOLE, REAL, REAL, VECTOR, VECTOR)
+@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, REAL, VECTOR, VECTOR)
 def cost(
     x0: FloatArray,
     u: FloatArray,
     slots: FloatArray,
     targets: FloatArray,
-    psi: FloatArray,
-    row: int,
-    stride: int,
     dt: float,
-    distance: float,
     q: FloatArray,
     r: FloatArray,
 ) -> float:
@@ -118,29 +122,24 @@ def cost(
     x, e, w = x0.copy(), np.empty(6), np.empty((6, 6))
     total = 0.0
     for j in range(len(u) + 1):
-        at = row + j * stride
-        _weight(q, distance, psi[at], w)
-        _error(x, slots[at], e)
+        _weight(q, slots[j], w)
+        _error(x, slots[j], e)
         total += _quadratic(e, w)
         if j < len(u):
             for a in range(4):
-                gap = u[j, a] - targets[at, a // 2, a % 2]
+                gap = u[j, a] - targets[j, a // 2, a % 2]
                 total += 0.5 * r[a] * gap * gap
             _move(x, u[j], dt, x)
     return total
 
 
-@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, VECTOR, WHOLE, WHOLE, REAL, REAL, VECTOR, VECTOR, VECTOR, MATRIX_OUT)
+@kernel_for(REAL, VECTOR, MATRIX, TABLE, TABLE, REAL, VECTOR, VECTOR, VECTOR, MATRIX_OUT)
 def improve(
     x0: FloatArray,
     nominal: FloatArray,
     slots: FloatArray,
     targets: FloatArray,
-    psi: FloatArray,
-    row: int,
-    stride: int,
     dt: float,
-    distance: float,
     q: FloatArray,
     r: FloatArray,
     limits: FloatArray,
@@ -151,10 +150,8 @@ def improve(
     Args:
         x0: (6,) poses of robot i and its upstream neighbour.
         nominal: (N, 4) inputs of both to linearise along.
-        slots, targets, psi: tables (T, 2, 3), (T, 2, 2), (T,) of slot poses, slot inputs and psi_r, by tick.
-        row, stride: the horizon's points are rows row, row + stride, ..., row + N stride.
+        slots, targets: (N + 1, 2, 3) and (N, 2, 2), poses and inputs of both slots over the horizon.
         dt: Delta_T [s].
-        distance: l_r [m].
         q, r: diagonals (6,) and (4,) of the weights.
         limits: (2,) of |v| and |omega|.
         out: (N, 4), the inputs of both players at the (linearised) equilibrium.
@@ -173,16 +170,14 @@ def improve(
     pa, pb, btp, quu = np.empty((6, 6)), np.empty((6, 4)), np.empty((4, 6)), np.empty((4, 4))
     ga, gb, rhs = np.empty((1, 6)), np.empty((1, 4)), np.empty((4, 7))
 
-    at = row + steps * stride
-    _weight(q, distance, psi[at], p)
-    _error(x[steps], slots[at], e)
+    _weight(q, slots[steps], p)
+    _error(x[steps], slots[steps], e)
     for a in range(6):
         gradient[a] = 0.0
         for b in range(6):
             gradient[a] -= p[a, b] * e[b]
 
     for j in range(steps - 1, -1, -1):
-        at = row + j * stride
         for a in range(2):
             g[a, 0], g[a, 1], g[a, 2], g[a, 3], g[a, 4], g[a, 5] = derivatives(
                 x[j, 3 * a + 2], nominal[j, 2 * a], nominal[j, 2 * a + 1], dt
@@ -197,7 +192,7 @@ def improve(
         _times_input(ga, g, dt, gb)  # B' p
         for a in range(4):
             quu[a, a] += r[a]
-            gb[0, a] += r[a] * (nominal[j, a] - targets[at, a // 2, a % 2])
+            gb[0, a] += r[a] * (nominal[j, a] - targets[j, a // 2, a % 2])
             for b in range(6):
                 rhs[a, b] = btp[a, b]
             rhs[a, 6] = gb[0, a]
@@ -208,8 +203,8 @@ def improve(
         _times_state(pa, g)  # P A
         p[:] = pa.T
         _times_state(p, g)  # A' P A (symmetric)
-        _weight(q, distance, psi[at], w)
-        _error(x[j], slots[at], e)
+        _weight(q, slots[j], w)
+        _error(x[j], slots[j], e)
         for a in range(6):
             gradient[a] = ga[0, a]
             for c in range(4):

@@ -12,6 +12,7 @@ import numpy as np
 from agents.paper_kernel import plan
 from agents.situation import Pair, Situation, Solution
 from formation.arrays import FloatArray
+from formation.pattern import between
 from formation.scenario import Scenario
 
 Q_TWO = (0.1, 0.1, 0.1, 0.5, 0.001)
@@ -29,9 +30,7 @@ class Paper:
         self._r = np.array(own.r or R, dtype=float)
         self._mended = np.zeros(6, dtype=bool)
         self._mended[list(own.errata)] = True
-        self._centre = np.array(pair.centre)
-        if 6 in own.misprints and scenario.formation.shape == "triangle":
-            self._centre = np.full(2, math.sqrt(3.0) / 6.0 * pair.distance)
+        self._infeasible = 6 in own.misprints and scenario.formation.shape == "triangle"
         self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
         self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero
 
@@ -40,7 +39,8 @@ class Paper:
         block, row = pair.block(situation.k)
         ahead = slice(row, row + pair.horizon * pair.stride + 1, pair.stride)
         ref = block.centre[ahead]
-        psi_r = -ref[:, 2] if self._mirrored else ref[:, 2] + pair.angle
+        distance, angle, centre = self._pattern(situation.k)
+        psi_r = -ref[:, 2] if self._mirrored else ref[:, 2] + angle
         out = np.empty((pair.horizon, 2))
         received = situation.upstream.inputs if situation.upstream.plan else np.zeros((pair.horizon, 2))
         plan(
@@ -50,8 +50,8 @@ class Paper:
             received,
             ref,
             psi_r,
-            pair.distance,
-            self._centre,
+            distance,
+            centre,
             pair.interval,
             self._q,
             self._r,
@@ -62,3 +62,11 @@ class Paper:
         converged = bool(np.isfinite(out).all())
         self._last = out if converged else np.zeros_like(out)
         return Solution(self._last, converged)
+
+    def _pattern(self, k: int) -> tuple[float, float, FloatArray]:
+        """l_r [m], psi_offset [rad] and p_v^O (2,) [m] of the pair as they are at tick k."""
+        own, other = self._pair.offsets(k)
+        wanted = between(own[None], other[None])
+        distance = float(wanted.distance[0])
+        centre = np.full(2, math.sqrt(3.0) / 6.0 * distance) if self._infeasible else np.array(wanted.centre[0])
+        return distance, float(wanted.angle[0]), centre

@@ -20,7 +20,8 @@ from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
 from formation.faults import Fault
 from formation.measures import wrapped
-from formation.scenario import MAX_ROBOTS, Scenario, parse
+from formation.scenario import Scenario, parse
+from formation.shape import MAX_ROBOTS
 from network import keys
 from network.codec import decode
 from network.messages import State, Status

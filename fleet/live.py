@@ -12,7 +12,8 @@ from fleet.processes import Plan, agent, programs
 from fleet.runs import Claim
 from fleet.supervisor import Supervisor
 from formation.errors import EchelonError, WireError
-from formation.scenario import MAX_ROBOTS, Scenario
+from formation.scenario import Scenario
+from formation.shape import MAX_ROBOTS
 from network import keys
 from network.codec import decode
 from network.control import GetSummary

@@ -23,6 +23,11 @@ class Path(Model):
         """Time after which the path repeats [s]; None for an open path."""
         return None
 
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Where its heading jumps: times [s] and turns [rad], counter-clockwise positive."""
+        return ()
+
     def position(self, t: FloatArray) -> FloatArray:
         """Positions at times t [s], of shape t.shape + (2,) [m]. Defined for negative t too."""
         raise NotImplementedError
@@ -101,6 +106,10 @@ class Corner(Path):
     """Along y, and after the corner along x as well [m/s]."""
     at: Positive = 20.0
     """[s]."""
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        return ((self.at, -math.pi / 4.0),)
 
     def position(self, t: FloatArray) -> FloatArray:
         return self.speed * np.stack([np.maximum(t - self.at, 0.0), t], axis=-1)

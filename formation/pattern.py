@@ -35,14 +35,18 @@ def downstream(robot: int, robots: int) -> int:
 
 
 def pattern(offsets: FloatArray) -> Pattern:
-    """Pattern of every pair, from offsets (n, 2) in the body frame (x forward, y left, mean zero) [m].
+    """Pattern of every pair, from offsets (n, 2) in the body frame (x forward, y left, mean zero) [m]."""
+    return between(offsets, np.roll(offsets, 1, axis=0))
+
+
+def between(own: FloatArray, other: FloatArray) -> Pattern:
+    """Pattern of pairs: robots with offsets own (n, 2), their upstream neighbours with offsets other (n, 2) [m].
 
     d = o_-i - o_i;  l_r = |d|;  psi_offset = atan2(-d_x, d_y);  p_v^O = Rot(psi_offset)^T (-(o_i + o_-i)/2).
     """
-    other = np.roll(offsets, 1, axis=0)
-    d = other - offsets
+    d = other - own
     angle = np.arctan2(-d[:, 0], d[:, 1])
-    middle = -(offsets + other) / 2.0
+    middle = -(own + other) / 2.0
     c, s = np.cos(angle), np.sin(angle)
     centre = np.stack([c * middle[:, 0] + s * middle[:, 1], -s * middle[:, 0] + c * middle[:, 1]], axis=1)
     return Pattern(frozen(np.hypot(d[:, 0], d[:, 1])), frozen(angle), frozen(centre))

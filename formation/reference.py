@@ -1,8 +1,9 @@
 """The reference on the ticks of the control interval: the centre's path and every robot's feasible slot.
 
-A slot is p_r(t) + Rot(theta_r(t)) o_i. Its heading and input follow from its own motion, not the centre's, so
-that on a curve all errors can be zero at once (THEORY: feasible references). Tables are made a block of ticks at
-a time, because looking up a row is a thousand times cheaper than computing it.
+A slot is p_r(t) + Rot(phi(t)) o_i(t), where phi is the formation's orientation and o_i the robot's offset. Its heading
+and input follow from its own motion, not the centre's, so that on a curve all errors can be zero at once (THEORY:
+feasible references). Tables are made a block of ticks at a time, because looking up a row is a thousand times cheaper
+than computing it.
 """
 
 from dataclasses import dataclass
@@ -11,11 +12,16 @@ import numpy as np
 
 from formation.arrays import FloatArray, timeline
 from formation.measures import wrapped
+from formation.offsets import Offsets
+from formation.orientation import Orientation
 from formation.paths import Path, heading
 from formation.pattern import rotate
 
 BLOCK_TICKS = 2000
 """Ticks per block: 20 s, computed in some milliseconds."""
+
+HORIZONS = 2
+"""Horizons that a block reaches beyond its last tick: whoever catches up looks further than one."""
 
 SLOW = 1e-3
 """Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
@@ -26,7 +32,7 @@ DERIVATIVE_STEP = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Rows of the reference for ticks first .. first + BLOCK_TICKS and one horizon more."""
+    """Rows of the reference for ticks first .. first + BLOCK_TICKS and HORIZONS horizons more."""
 
     first: int
     centre: FloatArray
@@ -38,24 +44,34 @@ class Block:
 
 
 class Reference:
-    """The reference of some robots, by tick. `block(k)` holds every tick from k to the end of the horizon."""
+    """The reference of some robots, by tick. `block(k)` holds every tick from k to HORIZONS horizons on."""
 
-    def __init__(self, path: Path, offsets: FloatArray, *, control_interval: float, stride: int, horizon: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        offsets: Offsets,
+        orientation: Orientation,
+        *,
+        control_interval: float,
+        stride: int,
+        horizon: int,
+    ) -> None:
         """A reference for the robots with these offsets.
 
         Args:
             path: where the centre goes.
-            offsets: (n, 2) of the robots wanted, in the body frame [m].
+            offsets: of the robots wanted.
+            orientation: which way the formation faces.
             control_interval: delta_t [s], the length of a tick.
             stride: ticks in one prediction interval Delta_T.
             horizon: N, prediction intervals that are looked ahead.
         """
-        self._path, self._offsets = path, offsets
-        self._tick, self._stride, self._ahead = control_interval, stride, stride * horizon
+        self._path, self._offsets, self._orientation = path, offsets, orientation
+        self._tick, self._stride, self._ahead = control_interval, stride, HORIZONS * stride * horizon
         self._block: Block | None = None
 
     def block(self, k: int) -> Block:
-        """The block that holds ticks k .. k + stride * horizon."""
+        """The block that holds ticks k .. k + HORIZONS * stride * horizon."""
         first = k - k % BLOCK_TICKS
         if self._block is None or self._block.first != first:
             self._block = self._rows(first, BLOCK_TICKS + self._ahead + 1)
@@ -63,8 +79,8 @@ class Reference:
 
     def positions(self, t: FloatArray) -> FloatArray:
         """Where the slots are at times t: (T, n, 2) [m]."""
-        theta = heading(self._path, t, self._stride * self._tick)
-        return self._path.position(t)[:, None] + rotate(theta[:, None], self._offsets)
+        turned = rotate(self._orientation.angle(t)[:, None], self._offsets.at(t))
+        return self._path.position(t)[:, None] + turned
 
     def _rows(self, first: int, count: int) -> Block:
         interval = self._stride * self._tick

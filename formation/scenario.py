@@ -15,53 +15,20 @@ from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError, ScenarioError, unknown
 from formation.faults import Fault, ScheduledFault, links_named
 from formation.model import Duration, Model, NonNegative, Positive
+from formation.offsets import Offsets
+from formation.orientation import orientation_of
 from formation.paths import AnyPath
-from formation.pattern import FIXED_SIZES, SHAPES, Pattern, pattern
+from formation.pattern import Pattern, pattern
 from formation.problems import problems
 from formation.reference import Reference
+from formation.shape import Formation
 
-MAX_ROBOTS = 64
 MAX_TICKS = 1_000_000
 """Ticks of one flight: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
 MAX_STRIDE = 1000
 """Control intervals in one prediction interval."""
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 ControllerName = Literal["nash", "paper", "leader_follower"]
-
-
-class Formation(Model):
-    """Where the robots stand in the body frame: by the name of a shape, or by offsets."""
-
-    shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
-    spacing: Positive = 0.1
-    """Distance between neighbours [m]."""
-    robots: Annotated[int, Field(ge=2, le=MAX_ROBOTS)] | None = None
-    offsets: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=MAX_ROBOTS)] | None = None
-    """[[x, y], ...], x forward and y left [m]; their mean becomes zero."""
-
-    @model_validator(mode="after")
-    def _one_way(self) -> "Formation":
-        if (self.shape is None) == (self.offsets is None):
-            raise ValueError("expected either shape or offsets")
-        if self.shape is not None:
-            fixed = FIXED_SIZES.get(self.shape)
-            if fixed is None and self.robots is None:
-                raise ValueError(f"expected robots = n for the shape {self.shape}")
-            if fixed is not None and self.robots not in (None, fixed):
-                raise ValueError(f"expected {fixed} robots for the shape {self.shape}; got {self.robots}")
-        elif self.robots not in (None, len(self.offsets or ())):
-            raise ValueError(f"expected as many offsets as robots; got {len(self.offsets or ())} and {self.robots}")
-        if np.any(pattern(self.array).distance < 1e-6):
-            raise ValueError("expected offsets that differ from their neighbour's in the ring")
-        return self
-
-    @cached_property
-    def array(self) -> FloatArray:
-        """Offsets (n, 2) with mean zero [m]."""
-        if self.shape is not None:
-            return frozen(SHAPES[self.shape](self.robots or FIXED_SIZES[self.shape], self.spacing))
-        given = np.array(self.offsets)
-        return frozen(given - given.mean(axis=0))
 
 
 class Limits(Model):
@@ -121,6 +88,10 @@ class Controller(Model):
     paper: x_e, y_e, theta_e, l_e, psi_e."""
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega."""
+    formation: Positive = 1.0
+    """How much the formation counts against the path (nash); everything else is derived from spacing and limits."""
+    waits: bool = True
+    """Whether a robot waits for those that cannot keep up (nash)."""
     errata: tuple[Literal[1, 2, 3, 4, 5], ...] = ()
     """Errata of the paper's algorithm that are mended in `paper`; none by default."""
     misprints: tuple[Literal[6, 7], ...] = ()
@@ -190,6 +161,11 @@ class Scenario(Model):
         return len(self.formation.array)
 
     @property
+    def spacing(self) -> float:
+        """The smallest distance between two neighbours in the ring at the start [m]: the unit of length."""
+        return float(self.pattern.distance.min())
+
+    @property
     def ticks(self) -> int:
         """Number of control intervals in the duration."""
         return max(1, round(self.duration / self.control_interval))
@@ -201,15 +177,26 @@ class Scenario(Model):
 
     @cached_property
     def pattern(self) -> Pattern:
-        """The pattern of every pair."""
+        """The pattern of every pair at the start."""
         return pattern(self.formation.array)
 
-    def reference(self, robots: Iterable[int] | None = None) -> Reference:
-        """The reference of these robots (numbers, from 1), or of all."""
-        rows = slice(None) if robots is None else [i - 1 for i in robots]
+    @cached_property
+    def _offsets(self) -> Offsets:
+        return Offsets(self.formation, self.path)
+
+    def reference(self, robots: Iterable[int] | None = None, *, rounded: bool = False) -> Reference:
+        """The reference of these robots (numbers, from 1), or of all.
+
+        Args:
+            robots: whose.
+            rounded: as it can be followed: the formation turns smoothly where the path's heading jumps.
+        """
+        offsets = self._offsets
+        interval = self.controller.prediction_interval
         return Reference(
             self.path,
-            self.formation.array[rows],
+            offsets if robots is None else offsets.rows(list(robots)),
+            orientation_of(self.formation, self.path, interval=interval, reach=offsets.reach, rounded=rounded),
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,

@@ -95,6 +95,10 @@ class Plan:
     interval: Positive
     """Delta_T: how long each input is held [s]."""
     inputs: Inputs
+    lag: NonNegative = 0.0
+    """How far its reference time is behind the clock, because it waits for somebody [s]."""
+    drift: Real = 0.0
+    """Rate at which it lets its lag change by itself: 1 while it cannot keep up, below 0 while it catches up."""
     __pydantic_config__ = _STRICT
 
 

@@ -346,7 +346,7 @@ def test_erratum_6_only_without_its_second_entry_is_p_v_the_centroid_of_all_thre
 def test_the_misprint_6_is_brought_back_on_request() -> None:
     scenario = load("triangle-circle", ["controller.name=paper", "controller.misprints=[6]"])
     controller = Paper(scenario, 2, Pair(scenario, 2))
-    np.testing.assert_allclose(controller._centre, math.sqrt(3) / 6 * 0.1)
+    np.testing.assert_allclose(controller._pattern(0)[2], math.sqrt(3) / 6 * 0.1)
 
 
 def test_erratum_7_the_second_robots_psi_r_is_theta_r_plus_pi() -> None:
@@ -390,7 +390,7 @@ def test_erratum_11_with_e_theta_below_the_followers_errors_shrink(seed: Any) ->
     g = np.random.default_rng(seed)
     scenario = load("circle", ["controller.name=leader_follower", "robots.limits.v=1e6", "robots.limits.omega=1e6"])
     pair = Pair(scenario, 2)
-    v_l, place = 0.2, pair.offset - pair.offset_upstream
+    v_l, place = 0.2, -np.diff(pair.offsets(0), axis=0)[0]
     leader = np.array([0.3, -0.2, g.uniform(-3, 3)])
     e_x, e_y, e_theta = g.uniform(-0.1, 0.1, 3) * np.array([1, 1, 10])
     theta = leader[2] - e_theta

@@ -12,7 +12,7 @@ import pytest
 from formation.measures import pattern_errors, wrapped
 from formation.paths import heading
 from formation.pattern import rotate
-from formation.reference import BLOCK_TICKS, Block, Reference
+from formation.reference import BLOCK_TICKS, HORIZONS, Block, Reference
 from formation.scenario import Scenario, load
 from formation.unicycle import step
 
@@ -118,7 +118,7 @@ def test_a_row_does_not_depend_on_the_block_it_stands_in(name: Any) -> None:
     scenario = load(name)
     first, second = scenario.reference().block(0), scenario.reference().block(BLOCK_TICKS)
     assert (first.first, second.first) == (0, BLOCK_TICKS)
-    ahead = scenario.stride * scenario.controller.horizon
+    ahead = HORIZONS * scenario.stride * scenario.controller.horizon
     for table in ("centre", "slots", "inputs"):
         a, b = getattr(first, table)[BLOCK_TICKS:], getattr(second, table)[: ahead + 1]
         assert len(a) == len(b) == ahead + 1
@@ -157,4 +157,4 @@ def test_other_intervals_are_obeyed() -> None:
     v, omega = block.inputs[0, 0]
     x, y, theta = step(*block.slots[0, 0], v, omega, 0.2)
     assert block.slots[10, 0] == pytest.approx([x, y, theta], abs=1e-6)
-    assert len(block.slots) == BLOCK_TICKS + 50 + 1
+    assert len(block.slots) == BLOCK_TICKS + HORIZONS * 50 + 1

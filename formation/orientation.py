@@ -1,0 +1,154 @@
+"""Which way the formation faces at time t: along the path, always the same, or turning at a limited rate."""
+
+from typing import Protocol
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.offsets import PEAK, smooth
+from formation.paths import Path, heading
+from formation.shape import Formation
+from formation.unicycle import wrap
+
+SHARE = 0.25
+"""How fast rotation moves a slot at most where it is limited, as a share of the path's speed: the slots then keep going
+forwards, nearly side by side."""
+GRID = 0.01
+"""Step on which a limited orientation is integrated [s]."""
+SMOOTHING = 1.0
+"""Length of the moving average that makes a limited orientation's rate continuous [s]."""
+STRETCH = 2000
+"""Steps that are integrated at a time."""
+
+
+class Orientation(Protocol):
+    """The formation's heading as a function of time."""
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        """Heading (T,) at times t (T,) [rad]."""
+        ...
+
+
+class Along:
+    """The heading of the path, as the paper samples it."""
+
+    def __init__(self, path: Path, interval: float) -> None:
+        self._path, self._interval = path, interval
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        return heading(self._path, t, self._interval)
+
+
+class Rounded:
+    """The heading of the path, but its corners are turned smoothly, so that rotation moves no slot faster than SHARE.
+
+    The path's heading cannot be followed where it jumps, not even by a formation that is stiff: half of the turn is
+    made before the corner, half after it.
+    """
+
+    def __init__(self, path: Path, interval: float, *, reach: float) -> None:
+        """The orientation along a path; arguments as of `Limited`."""
+        self._path, self._interval = path, interval
+        self._turns = [(at, turn, _time_to_turn(path, at, turn, reach)) for at, turn in path.corners]
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        theta = heading(self._path, t, self._interval)
+        for at, turn, over in self._turns:
+            here = np.abs(t - at) <= over / 2.0
+            # The sampled heading jumps within one interval after the corner: take that before it, and the smooth turn.
+            passed = t >= at + self._interval
+            sampled: FloatArray = np.where(passed, t, np.minimum(t, at))
+            legs = heading(self._path, sampled, self._interval)
+            turned = legs - turn * passed + turn * smooth((t - at) / over + 0.5)
+            theta = np.asarray(np.where(here, turned, theta))
+        return theta
+
+
+def _time_to_turn(path: Path, at: float, turn: float, reach: float) -> float:
+    """How long a corner is turned, so that SHARE is kept on both legs [s]."""
+    t: FloatArray = at + np.array([-GRID, 0.0, GRID])
+    step = np.diff(path.position(t), axis=0)
+    speed = float(np.hypot(step[:, 0], step[:, 1]).min()) / GRID
+    return PEAK * abs(turn) * reach / (SHARE * speed)
+
+
+class Fixed:
+    """The same heading, always: every slot moves as the centre does."""
+
+    def __init__(self, angle: float) -> None:
+        self._angle = angle
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        return np.full(t.shape, self._angle)
+
+
+class Limited:
+    """The heading of the path, followed at a limited rate, then averaged over SMOOTHING.
+
+    The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead.
+    """
+
+    def __init__(self, path: Path, interval: float, *, rate: float | None, reach: float) -> None:
+        """The orientation from the flight's start on.
+
+        Args:
+            path: what is followed.
+            interval: over which the paper samples the path's heading [s].
+            rate: limit [rad/s]; None for SHARE of the path's speed at the outermost slot.
+            reach: distance of the outermost slot from the centre [m].
+        """
+        self._path, self._interval, self._rate, self._reach = path, interval, rate, reach
+        self._first = -2.0 * SMOOTHING
+        start = float(heading(path, np.array([self._first]), interval)[0])
+        self._theta, self._sum = np.array([start]), np.zeros(1)
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        half = SMOOTHING / 2.0
+        self._extend(float(t.max(initial=0.0)) + half)
+        mean: FloatArray = (self._integral(t + half) - self._integral(t - half)) / SMOOTHING
+        return mean
+
+    def _integral(self, t: FloatArray) -> FloatArray:
+        """Of the orientation from the first sample to t: exact for the straight lines between samples."""
+        at = np.maximum((t - self._first) / GRID, 0.0)
+        k = np.minimum(at.astype(int), len(self._theta) - 2)
+        part = at - k
+        slope = self._theta[k + 1] - self._theta[k]
+        whole: FloatArray = self._sum[k] + GRID * part * (self._theta[k] + 0.5 * part * slope)
+        return whole
+
+    def _extend(self, end: float) -> None:
+        while self._first + GRID * (len(self._theta) - 2) < end:
+            first = len(self._theta)
+            t: FloatArray = self._first + GRID * np.arange(first, first + STRETCH)
+            wish = heading(self._path, t, self._interval)
+            if self._rate is None:
+                step = self._path.position(t + GRID) - self._path.position(t)
+                limit = SHARE * np.hypot(step[:, 0], step[:, 1]) / self._reach
+            else:
+                limit = np.full(STRETCH, self._rate * GRID)
+            theta, found = float(self._theta[-1]), np.empty(STRETCH)
+            for j, (angle, most) in enumerate(zip(wish.tolist(), limit.tolist(), strict=True)):
+                theta += min(max(wrap(angle - theta), -most), most)
+                found[j] = theta
+            steps = np.concatenate([self._theta[-1:], found])
+            sums = self._sum[-1] + np.cumsum(GRID * 0.5 * (steps[1:] + steps[:-1]))
+            self._theta, self._sum = np.concatenate([self._theta, found]), np.concatenate([self._sum, sums])
+
+
+def orientation_of(formation: Formation, path: Path, *, interval: float, reach: float, rounded: bool) -> Orientation:
+    """The orientation that the scenario asks for.
+
+    Args:
+        formation: says which.
+        path: where the centre goes.
+        interval, reach: as in `Limited`.
+        rounded: whether the path's corners are turned as robots can.
+    """
+    match formation.orientation:
+        case "path":
+            return Rounded(path, interval, reach=reach) if rounded and path.corners else Along(path, interval)
+        case "fixed":
+            return Fixed(formation.heading)
+        case "limited":
+            return Limited(path, interval, rate=formation.turn_rate, reach=reach)

@@ -30,7 +30,7 @@ REVERSE = 1.0
 """A pulled robot's reference time runs backwards at most this fast."""
 HASTE = 0.5
 """Lags are worked off at most at this rate."""
-MARGIN = 0.9
+MARGIN = 0.95
 """Share of the speed limit that may be used for working off a lag."""
 SETTLE = 1.0
 """Time constant with which the last of a lag is worked off [s]."""

@@ -85,7 +85,8 @@ class Fixed:
 class Limited:
     """The heading of the path, followed at a limited rate, then averaged over SMOOTHING.
 
-    The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead.
+    The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead. Before the
+    flight it faces as the path does two seconds ahead of it.
     """
 
     def __init__(self, path: Path, interval: float, *, rate: float | None, reach: float) -> None:
@@ -110,17 +111,17 @@ class Limited:
 
     def _integral(self, t: FloatArray) -> FloatArray:
         """Of the orientation from the first sample to t: exact for the straight lines between samples."""
-        at = np.maximum((t - self._first) / GRID, 0.0)
-        k = np.minimum(at.astype(int), len(self._theta) - 2)
+        at = (t - self._first) / GRID
+        k = np.clip(at.astype(int), 0, len(self._theta) - 2)
         part = at - k
-        slope = self._theta[k + 1] - self._theta[k]
+        slope = np.where(at < 0.0, 0.0, self._theta[k + 1] - self._theta[k])
         whole: FloatArray = self._sum[k] + GRID * part * (self._theta[k] + 0.5 * part * slope)
         return whole
 
     def _extend(self, end: float) -> None:
         while self._first + GRID * (len(self._theta) - 2) < end:
             first = len(self._theta)
-            t: FloatArray = self._first + GRID * np.arange(first, first + STRETCH)
+            t = np.asarray(self._first + GRID * np.arange(first, first + STRETCH), dtype=float)
             wish = heading(self._path, t, self._interval)
             if self._rate is None:
                 step = self._path.position(t + GRID) - self._path.position(t)

@@ -99,7 +99,7 @@ def cost(
         total += _slope(x, slots[j], weights[j], e, gradient) + _effort(u[j], targets[j], r)
         _move(x, u[j], dt, x)
     total += _slope(x, slots[len(u)], weights[len(u)], e, gradient)
-    return total
+    return float(total)
 
 
 @kernel

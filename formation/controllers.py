@@ -19,7 +19,7 @@ AGEING: tuple[ControllerName, ...] = ("nash", "consensus")
 def refusal(name: ControllerName) -> ScenarioError:
     """Why a controller of `IN_PROCESS` cannot fly as processes."""
     return ScenarioError(
-        f"controller.name: {name} is one mind for all robots: expected --engine inprocess, "
+        f"controller.name: {name} is one mind for all robots: expected run --engine inprocess, "
         f"or a controller that flies over processes ({', '.join(LIVE)})"
     )
 

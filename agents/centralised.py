@@ -1,8 +1,9 @@
-"""Controller `centralised`: one mind plans for all robots with perfect knowledge: the bound for all others.
+"""Controller `centralised`: one mind plans for all robots with perfect knowledge, the bound for `nash`.
 
 At every planning tick it sees the true poses of all robots and minimises the sum over the ring of the costs J_i that
-`nash` plays for, jointly, to convergence and within the limits. What its agents still send each other is used by
-nobody. It exists within one process only (fleet/inprocess.py); over processes there is no such mind.
+`nash` plays for, jointly, to convergence and within the limits. No plans of the same horizon cost less in that sum;
+a controller with other aims may still hold the pattern better and the path worse. What its agents send each other is
+used by nobody. It exists within one process only (fleet/inprocess.py); over processes there is no such mind.
 """
 
 import math
@@ -18,12 +19,12 @@ from formation.scenario import Scenario
 
 STEPS = 50
 """At most so many Gauss-Newton steps per plan; in formation one or two are enough."""
-TOLERANCE = 1e-7
+TOLERANCE = 1e-6
 """Largest change of an input at which a plan has converged [m/s, rad/s]."""
 
 
 class Team:
-    """The mind of all robots of one flight."""
+    """The mind of all robots of one flight; the first who asks at a tick has it think, for everybody."""
 
     def __init__(self, scenario: Scenario) -> None:
         controller, limits = scenario.controller, scenario.robots.limits

@@ -19,7 +19,7 @@ Q = (1.0, 1.0, 0.01)
 """x, y, heading: what `nash` weighs of the centre."""
 R = (0.01, 0.01)
 STEPS = 20
-TOLERANCE = 1e-7
+TOLERANCE = 1e-6
 """Largest change of an input at which a plan has converged [m/s, rad/s]."""
 
 

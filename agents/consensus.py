@@ -24,14 +24,14 @@ class Consensus:
     def __init__(self, scenario: Scenario, pair: Pair) -> None:
         """Gains follow from what the robots can do.
 
-        The hand reaches half the distance to the neighbour. Its slowest direction is sideways, omega_max L: each
-        gain turns an error of one distance into that speed, and both together take away at most a quarter of an
+        The hand reaches half a spacing. Its slowest direction is sideways, omega_max L: each gain turns an error of
+        one spacing into that speed, and both together take away at most a quarter of an
         error per Delta_T, so that sampling and the messages' age leave the law stable.
         """
         self._pair = pair
-        self._reach = pair.distance / 2.0
+        self._reach = scenario.spacing / 2.0
         speed = min(float(pair.limits[0]), float(pair.limits[1]) * self._reach)
-        self._gain = min(speed / pair.distance, 1.0 / (8.0 * pair.interval))
+        self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * pair.interval))
 
     def plan(self, situation: Situation) -> Solution:
         pair, upstream = self._pair, situation.upstream

@@ -10,14 +10,12 @@ import math
 import numpy as np
 
 from agents.kernels import shift
+from agents.nash import weights
 from agents.situation import Pair, Situation, Solution
 from agents.team_kernel import optimise
 from formation.arrays import FloatArray
 from formation.scenario import Scenario
 
-Q = (1.0, 1.0, 0.01)
-"""x, y, heading: what `nash` weighs of the centre."""
-R = (0.01, 0.01)
 STEPS = 20
 TOLERANCE = 1e-6
 """Largest change of an input at which a plan has converged [m/s, rad/s]."""
@@ -29,16 +27,15 @@ class VirtualStructure:
     def __init__(self, scenario: Scenario, pair: Pair) -> None:
         own = scenario.controller
         self._pair = pair
-        self._r = np.array(own.r or R, dtype=float)
-        self._weights = np.tile(np.diag(np.array(own.q or Q, dtype=float)), (pair.horizon + 1, 1, 1))
+        q, r = weights(scenario)
+        self._r = np.array(own.r or r, dtype=float)
+        self._weights = np.tile(np.diag(np.array(own.q or q[:3], dtype=float)), (pair.horizon + 1, 1, 1))
         self._last: tuple[int, FloatArray] | None = None
 
     def plan(self, situation: Situation) -> Solution:
         pair, k = self._pair, situation.k
-        block, row = pair.block(k)
-        ahead = pair.stride * pair.horizon
-        slots = np.ascontiguousarray(block.slots[row : row + ahead + 1 : pair.stride, :1])
-        targets = np.ascontiguousarray(block.inputs[row : row + ahead : pair.stride, :1])
+        ahead = pair.ahead(k)
+        slots, targets = np.ascontiguousarray(ahead.slots[:, :1]), np.ascontiguousarray(ahead.inputs[:, :1])
         nominal = targets[:, 0].copy()
         if self._last is not None:
             made, inputs = self._last

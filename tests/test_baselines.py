@@ -16,7 +16,7 @@ from agents.agent import Agent
 from agents.centralised import Team
 from agents.consensus import Consensus
 from agents.consensus_kernel import roll_law
-from agents.nash import Q, R
+from agents.nash import weights as nash_weights
 from agents.nash_kernel import cost as pair_cost
 from agents.situation import Pair
 from agents.team_kernel import cost, optimise, ring_weights
@@ -35,6 +35,7 @@ from world.orders import Orders
 from world.world import World
 
 DT = 0.1
+Q, R = (1.0, 1.0, 0.01, 1.0, 0.01, 0.01), (0.01, 0.01)
 LIMITS = np.array([0.5, 2.0])
 BASELINES = ("virtual_structure", "consensus", "centralised")
 DISORDER = "robots.start_noise={position=0.02, heading=0.1}"
@@ -307,10 +308,9 @@ def test_the_teams_cost_is_the_sum_of_the_games_that_nash_plays(name: str) -> No
     games = 0.0
     for i in range(1, n + 1):
         pair, both = Pair(flown, i), [i - 1, upstream(i, n) - 1]
-        block, row = pair.block(k)
+        ahead, (q, own_r) = pair.ahead(k), nash_weights(flown)
         poses, inputs = x[both].ravel(), np.ascontiguousarray(u[:, both].reshape(len(u), 4))
-        table = (block.slots, block.inputs, pair.psi, row, pair.stride, interval, pair.distance, np.array(Q))
-        games += pair_cost(poses, inputs, *table, np.array([*R, *R]))
+        games += pair_cost(poses, inputs, ahead.slots, ahead.inputs, interval, np.array(q), np.array([*own_r, *own_r]))
     # The pair's share of R is half of what its robot's inputs cost in both of its games.
     effort = 0.5 * float(((u - targets) ** 2 @ r).sum())
     both_games = cost(x.ravel(), u.reshape(len(u), -1), slots, targets, weights, r, interval) + effort
@@ -318,7 +318,7 @@ def test_the_teams_cost_is_the_sum_of_the_games_that_nash_plays(name: str) -> No
 
 
 def test_agents_that_play_nash_never_plan_cheaper_than_the_team() -> None:
-    flight = Flight(scenario("nash", "duration=3", NOISE, DISORDER))
+    flight = Flight(scenario("nash", "duration=3", NOISE, DISORDER, "controller.waits=false"))
     team = Team(flight.world.scenario)
     dearer = []
     while not flight.finished:
@@ -362,7 +362,7 @@ def test_the_team_must_be_shown_the_poses_of_the_tick() -> None:
 
 
 def test_a_team_that_is_nowhere_says_so_and_keeps_its_limits() -> None:
-    flown = scenario("centralised")
+    flown = scenario("centralised", "controller.waits=false")
     team = Team(flown)
     team.see(0, np.full((3, 3), np.nan))
     inputs, converged = team.plan(0)

@@ -352,6 +352,23 @@ def test_the_team_sees_through_noise_and_needs_no_message() -> None:
     assert sha("nash", "duration=2", STUCK, blur) != sha("nash", "duration=2", STUCK)
 
 
+def test_the_team_waits_for_a_stuck_robot_and_only_then() -> None:
+    def lags(*changes: str) -> tuple[float, float]:
+        """Largest before the robot is stuck, and at its release [s]."""
+        flight, before = Flight(scenario("centralised", "duration=2.5", *changes, name="circle")), 0.0
+        assert flight._team is not None
+        while not flight.finished:
+            flight.step()
+            if flight.world.now <= 0.5:
+                before = max(before, flight._team.lag)
+        return before, flight._team.lag
+
+    assert lags(STUCK)[0] == 0.0
+    assert lags(STUCK)[1] > 1.0
+    assert lags() == (0.0, 0.0)
+    assert lags(STUCK, "controller.waits=false") == (0.0, 0.0)
+
+
 def test_the_team_must_be_shown_the_poses_of_the_tick() -> None:
     flown = scenario("centralised")
     team = Team(flown)

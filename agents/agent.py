@@ -13,9 +13,10 @@ import numpy as np
 from agents.belief import Belief
 from agents.controllers import controller_for
 from agents.nash import Game
-from agents.situation import Pair, Situation, Solution
+from agents.situation import Controller, Pair, Situation, Solution
 from formation import unicycle
 from formation.arrays import FloatArray
+from formation.controllers import AGEING
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
 from formation.pattern import upstream
@@ -40,23 +41,24 @@ class Answer:
 class Agent:
     """The mind of one robot for one flight."""
 
-    def __init__(self, scenario: Scenario, robot: int, *, epoch: int = 0) -> None:
+    def __init__(self, scenario: Scenario, robot: int, *, epoch: int = 0, controller: Controller | None = None) -> None:
         """An agent at the start of a flight.
 
         Args:
             scenario: what is flown.
             robot: its number, from 1.
             epoch: put into every message; plans with another one are not for this flight.
+            controller: instead of the scenario's own for this robot (agents/centralised.py).
         """
         self.robot, self.epoch = robot, epoch
         self.upstream = upstream(robot, scenario.size)
         self.planning = scenario.controller.plan_every
         self._pair = Pair(scenario, robot)
         self._game = Game(scenario, robot, self._pair)
-        self._controller = controller_for(scenario, robot, self._pair)
+        self._controller = controller or controller_for(scenario, robot, self._pair)
         self._ages = scenario.controller.age_plans
         if self._ages is None:
-            self._ages = scenario.controller.name == "nash"
+            self._ages = scenario.controller.name in AGEING
         self._belief = Belief()
         self._plans: Link[Plan] = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
         self._poses: Link[FloatArray] = Link(scenario.seed, "world", str(robot))

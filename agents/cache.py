@@ -7,6 +7,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 _HERE = Path(__file__).parent
+KERNEL_MODULES = [f"agents.{file.stem}" for file in sorted(_HERE.glob("*kernel*.py"))]
+"""Every module of kernels; importing one compiles it."""
 _SOURCES = [*sorted(_HERE.glob("*kernel*.py")), _HERE / "compiled.py", _HERE.parent / "formation" / "unicycle.py"]
 
 

@@ -1,14 +1,21 @@
 """Which controllers there are, by name."""
 
+from agents.consensus import Consensus
 from agents.leader_follower import Follower, Leader
 from agents.nash import Nash
 from agents.paper import Paper
 from agents.situation import Controller, Pair
+from agents.virtual_structure import VirtualStructure
+from formation.controllers import refusal
 from formation.scenario import Scenario
 
 
 def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
-    """The scenario's controller for one robot; the scenario has checked its name."""
+    """The scenario's controller for one robot; the scenario has checked its name.
+
+    Raises:
+        ScenarioError: the controller is one mind for all robots, which no robot can have for itself.
+    """
     match scenario.controller.name:
         case "nash":
             return Nash(scenario, robot, pair)
@@ -16,3 +23,9 @@ def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
             return Paper(scenario, robot, pair)
         case "leader_follower":
             return Leader(scenario, robot, pair) if robot == 1 else Follower(scenario, robot, pair)
+        case "virtual_structure":
+            return VirtualStructure(scenario, pair)
+        case "consensus":
+            return Consensus(scenario, pair)
+        case "centralised":  # fleet/inprocess.py gives its agents their part in one
+            raise refusal("centralised")

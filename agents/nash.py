@@ -34,7 +34,7 @@ def weights(scenario: Scenario) -> tuple[list[float], list[float]]:
     pattern counts `controller.formation` times as much as the path.
     """
     own, place = scenario.controller, PLACE / scenario.spacing**2
-    if own.name != "nash":
+    if own.name not in ("nash", "centralised"):
         own = Controller()
     pattern = own.formation * place
     # The tangential weight is divided by the pair's own distance squared: it is that of an angle.

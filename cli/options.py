@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fleet.runs import find
 from formation import scenario
+from formation.controllers import NAMES
 from formation.errors import ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import Scenario
@@ -19,7 +20,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
     )
-    parser.add_argument("--controller", help="nash, paper or leader_follower")
+    parser.add_argument("--controller", help=", ".join(NAMES))
     parser.add_argument("--faults", metavar="PRESET|FILE", help=f"{', '.join(PRESETS)}, or a TOML file with [[faults]]")
     parser.add_argument("--seed", help="of noise and faults")
     parser.add_argument(

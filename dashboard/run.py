@@ -1,6 +1,6 @@
 """The run panel: how the run is; start, pause, step, reset, scenario, controller, speed. Labels follow the world."""
 
-from typing import Any, get_args
+from typing import Any
 
 import viser
 
@@ -9,7 +9,8 @@ from dashboard.desk import Desk
 from dashboard.feed import Seen
 from dashboard.links import LinkView
 from dashboard.summary import head
-from formation.scenario import ControllerName, shipped
+from formation.controllers import LIVE
+from formation.scenario import shipped
 from network.control import Clear, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
 from network.messages import State
 
@@ -35,7 +36,7 @@ class RunPanel:
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = Follower(gui.add_dropdown("Scenario", tuple(shipped())))
-        self._controller = Follower(gui.add_dropdown("Controller", get_args(ControllerName)))
+        self._controller = Follower(gui.add_dropdown("Controller", LIVE))
         self._speed = Follower(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))

@@ -4,10 +4,8 @@ import subprocess
 import sys
 from collections.abc import Callable
 
-from agents.cache import compiled, fetch_prebuilt, note_compiled
+from agents.cache import KERNEL_MODULES, compiled, fetch_prebuilt, note_compiled
 from formation.errors import EchelonError
-
-KERNEL_MODULES = "agents.kernels, agents.nash_kernel, agents.paper_kernel"
 
 
 def ensure_compiled(tell: Callable[[str], None]) -> None:
@@ -23,7 +21,7 @@ def ensure_compiled(tell: Callable[[str], None]) -> None:
     if compiled():
         return
     tell("compiling the solver (once on this machine, about half a minute) ...")
-    command = [sys.executable, "-c", f"import {KERNEL_MODULES}"]
+    command = [sys.executable, "-c", f"import {', '.join(KERNEL_MODULES)}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise EchelonError(

@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 
 from fleet.processes import Plan, Program, programs
+from formation.controllers import check_live
 from formation.scenario import Scenario
 
 RUN = "echelon"
@@ -53,7 +54,11 @@ def compose_file(name: str, scenario: Scenario, settings: Sequence[str] = ()) ->
         name: of a shipped scenario: the image holds no others.
         scenario: the same, loaded.
         settings: key=value.
+
+    Raises:
+        ScenarioError: its controller cannot fly as processes.
     """
+    check_live(scenario.controller.name)
     words = " ".join([name, *(f"--set {setting}" for setting in settings)])
     head = _HEAD.format(words=words, port=PAGE_PORT)
     return head + "\n".join(_service(program) for program in programs(plan(name, settings), scenario))

@@ -5,6 +5,7 @@ from time import perf_counter
 from typing import Any
 
 from agents.agent import Agent
+from agents.centralised import Team
 from formation.pattern import downstream
 from formation.scenario import Scenario
 from network.messages import Plan
@@ -19,10 +20,16 @@ class Flight:
 
     def __init__(self, scenario: Scenario) -> None:
         self.world = World(scenario)
-        self.agents = {robot: Agent(scenario, robot, epoch=self.world.epoch) for robot in self.world.robots}
+        self._team = Team(scenario) if scenario.controller.name == "centralised" else None
+        self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
         self._revision = -1
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
+
+    def _agent(self, robot: int) -> Agent:
+        world = self.world
+        member = self._team.member(robot) if self._team else None
+        return Agent(world.scenario, robot, epoch=world.epoch, controller=member)
 
     @property
     def trace(self) -> Trace:
@@ -45,6 +52,8 @@ class Flight:
                 agent.set_faults(world.faults.table)
         for plan in self._plans:
             agents[downstream(plan.sender, len(agents))].receive(plan)
+        if self._team:
+            self._team.see(tick.seq, world.plant.poses)
         answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
         if tick.last:
             for agent in agents.values():

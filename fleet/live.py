@@ -11,6 +11,7 @@ from fleet.compiling import ensure_compiled
 from fleet.processes import Plan, agent, programs
 from fleet.runs import Claim
 from fleet.supervisor import Supervisor
+from formation.controllers import check_live
 from formation.errors import EchelonError, WireError
 from formation.scenario import Scenario
 from formation.shape import MAX_ROBOTS
@@ -53,8 +54,9 @@ class LiveRun:
             options: of fleet.processes.Plan.
 
         Raises:
-            EchelonError: the name is in use.
+            EchelonError: the name is in use, or the controller cannot fly as processes.
         """
+        check_live(scenario.controller.name)
         self._scenario, self._tell = scenario, tell
         page = options.get("dashboard")
         self._claim = Claim(name, page=f"http://{page[0]}:{page[1]}" if page else "")

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from formation.arrays import FloatArray, frozen
+from formation.controllers import WEIGHTS, ControllerName
 from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError, ScenarioError, unknown
 from formation.faults import Fault, ScheduledFault, links_named
@@ -28,7 +29,6 @@ MAX_TICKS = 1_000_000
 MAX_STRIDE = 1000
 """Control intervals in one prediction interval."""
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-ControllerName = Literal["nash", "paper", "leader_follower"]
 
 
 class Limits(Model):
@@ -82,10 +82,10 @@ class Controller(Model):
     plan_every: Annotated[int, Field(ge=1, le=100)] = 1
     """Ticks from one plan to the next; in between the plan's own inputs are applied."""
     age_plans: bool | None = None
-    """Roll a received plan forward to now (nash), or take it as if fresh (paper, leader_follower)."""
+    """Roll a received plan forward to now (nash, consensus), or take it as if fresh (paper, leader_follower)."""
     q: list[NonNegative] | None = None
-    """Diagonal of Q. nash: centre, centre, mean heading, radial, tangential, half-difference of headings;
-    paper: x_e, y_e, theta_e, l_e, psi_e."""
+    """Diagonal of Q. nash, centralised: centre, centre, mean heading, radial, tangential, half-difference of headings;
+    paper: x_e, y_e, theta_e, l_e, psi_e; virtual_structure: x, y, heading."""
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega."""
     formation: Positive = 1.0
@@ -102,7 +102,7 @@ class Controller(Model):
 
     @model_validator(mode="after")
     def _weights(self) -> "Controller":
-        expected = {"nash": 6, "paper": 5}.get(self.name)
+        expected = WEIGHTS.get(self.name)
         if self.q is not None and expected is not None and len(self.q) != expected:
             raise ValueError(f"expected {expected} values in q for {self.name}; got {len(self.q)}")
         return self

@@ -5,6 +5,7 @@ import logging
 import secrets
 import sys
 
+from formation.controllers import check_live
 from formation.errors import EchelonError
 from formation.scenario import load
 from network.lifetime import Lifetime
@@ -28,6 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
     try:
         scenario = load(options.scenario, options.settings)
+        check_live(scenario.controller.name)
         with Session(options.connect, options.run) as session:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.

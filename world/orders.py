@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from formation.controllers import check_live
 from formation.errors import ScenarioError, unknown
 from formation.faults import preset
 from formation.scenario import Scenario, load, parse, shipped
@@ -89,6 +90,7 @@ class Orders:
         return {}
 
     def _use(self, scenario: Scenario) -> None:
+        check_live(scenario.controller.name)
         self._world.use(scenario)
         self._roster.recall()
         self._ticks_left = 0

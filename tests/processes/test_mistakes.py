@@ -14,6 +14,7 @@ MISTAKES = {
     "scenario": (["run", "cirle"], ["scenario", "cirle", "figure8", "did you mean circle"]),
     "file": (["run", "nowhere.toml"], ["nowhere.toml"]),
     "controller": (["run", "--controller", "nsh"], ["controller.name", "nash", "paper", "leader_follower"]),
+    "one mind": (["run", "--controller", "centralised"], ["controller.name", "--engine inprocess", "nash"]),
     "preset": (["run", "--faults", "wify"], ["wifi", "congested", "wify"]),
     "key": (["run", "--set", "link.latncy=1"], ["link.latncy", "latency"]),
     "range": (["run", "--set", "link.loss=2"], ["link.loss", "at most 1", "2"]),
@@ -79,6 +80,7 @@ def test_names_links_and_presets_of_a_live_run_are_checked(up: Callable[..., Up]
         (["fault", "preset", "wify"], "wifi"),
         (["control", "scenario", "nothing"], "triangle-circle"),
         (["control", "controller", "nothing"], "leader_follower"),
+        (["control", "controller", "centralised"], "--engine inprocess"),
         (["status", "--run", "other"], "test"),
     ):
         done = echelon(*words, check=2)

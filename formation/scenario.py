@@ -88,8 +88,9 @@ class Controller(Model):
     paper: x_e, y_e, theta_e, l_e, psi_e; virtual_structure: x, y, heading."""
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega."""
-    formation: Positive = 1.0
-    """How much the formation counts against the path (nash); everything else is derived from spacing and limits."""
+    formation: Positive = 0.3
+    """How much the formation counts against the path (nash); everything else is derived from spacing and limits.
+    More holds the pattern tighter and makes it depend more on fresh messages."""
     waits: bool = True
     """Whether a robot waits for those that cannot keep up (nash)."""
     errata: tuple[Literal[1, 2, 3, 4, 5], ...] = ()

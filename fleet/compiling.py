@@ -7,7 +7,7 @@ from collections.abc import Callable
 from agents.cache import compiled, fetch_prebuilt, note_compiled
 from formation.errors import EchelonError
 
-KERNEL_MODULES = "agents.kernels, agents.nash_kernel, agents.paper_kernel"
+KERNEL_MODULES = "agents.kernels, agents.nash_kernel, agents.paper_game_kernel"
 
 
 def ensure_compiled(tell: Callable[[str], None]) -> None:

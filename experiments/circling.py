@@ -1,9 +1,8 @@
 """The paper's third test as a map from one tick to the next, for any reading of the printed text.
 
 Three robots on the circle of Ref. path 2 are a relative equilibrium if they are anything: in the frame that turns with
-the path nothing depends on time. A reading is then one map F of the robots' poses and plans, and what becomes of the
-formation is told by F's fixed point and by the spectral radius of its derivative there: above 1 no start, however
-good, stays.
+the path nothing depends on time. A reading is then one map of the robots' poses and plans, and its derivative tells
+which deviations vanish by themselves and which do not.
 """
 
 import math
@@ -26,6 +25,8 @@ STARTS = np.array([[0.8, 0.065, 1.5], [0.75, -0.05, 1.5], [0.85, -0.05, 1.5]])
 """As printed."""
 MEASURED_EVERY = 10
 """Ticks between two looks at the errors: l_e changes slowly."""
+SHOWN_RATES = 6
+"""Growth rates that are looked at; the others belong to plans and vanish within a second."""
 LOST = 10.0
 """Distance to the path [m] beyond which a flight is over."""
 
@@ -109,17 +110,12 @@ class Ring:
             poses[[1, 2]] = poses[[2, 1]]
         return np.concatenate([poses.ravel(), poses.ravel(), np.zeros(ROBOTS * self.wording.horizon * 2)])
 
-    def formed(self) -> FloatArray:
-        """The state of a perfect formation at t = 0 that keeps the path's inputs."""
-        row = self.centre(np.array(0.0))
-        poses = np.column_stack([row[:2] + rotate(row[2:3], self._offsets), np.full(ROBOTS, row[2])])
-        plans = np.tile(row[3:], (ROBOTS, self.wording.horizon, 1))
-        return np.concatenate([poses.ravel(), poses.ravel(), plans.ravel()])
-
     def advance(self, k: int, state: FloatArray) -> FloatArray:
         """The state one planning interval after tick k."""
         way, n = self.wording, self.wording.horizon
         poses, told = state[:9].reshape(3, 3), state[9:18].reshape(3, 3)
+        if way.wrapped:
+            poses, told = _wrapped(poses), _wrapped(told)
         plans = state[18:].reshape(ROBOTS, n, 2)
         if way.aged:
             share = TICK * way.every / way.interval
@@ -127,17 +123,12 @@ class Ring:
         ref = self.centre(k * TICK + way.interval * np.arange(n + 1))
         made = plans.copy()
         seen = told if way.play == "message" and not way.aged else poses
-        now = np.column_stack([poses[:, :2], np.arctan2(np.sin(poses[:, 2]), np.cos(poses[:, 2]))])
-        if way.wrapped:
-            poses_, seen = now, np.column_stack([seen[:, :2], np.arctan2(np.sin(seen[:, 2]), np.cos(seen[:, 2]))])
-        else:
-            poses_ = poses
         for i in range(ROBOTS):
             j = (i + self._step) % ROBOTS
             received = made[j] if way.play == "sequence" else plans[j]
             psi = (ref[:, 2] if way.turning else np.full(n + 1, ref[0, 2] - self._rate * k * TICK)) + self._angle[i]
             plan(
-                poses_[i].copy(), plans[i], seen[j].copy(), received, ref, psi, SPACING, self._centre, way.interval,
+                poses[i].copy(), plans[i], seen[j].copy(), received, ref, psi, SPACING, self._centre, way.interval,
                 self._q, self._r, self._limits, self._flags, made[i],
             )  # fmt: skip
         moved = poses.copy()
@@ -164,37 +155,25 @@ class Ring:
         places = state[:9].reshape(3, 3)[:, :2]
         return np.asarray(SPACING - np.hypot(*(places - np.roll(places, -self._step, axis=0)).T))
 
-    def around(self, state: FloatArray) -> FloatArray:
-        """The map F: one planning interval on, in the frame that turns with the path."""
-        return self.turned(self.advance(0, state), -self._rate * TICK * self.wording.every)
-
-    def fixed_point(self, *, tries: int = 12) -> tuple[FloatArray, float] | None:
-        """A relative equilibrium near the formation, and the spectral radius of F's derivative there.
-
-        Newton's method from the perfect formation; None if it finds none.
-        """
-        state = self.formed()
-        for _ in range(tries):
-            gap = self.around(state) - state
-            slope = self.derivative(state)
-            if not np.isfinite(slope).all():
-                return None
-            if np.abs(gap).max() < 1e-9:
-                return state, float(np.abs(np.linalg.eigvals(slope)).max())
-            state = state + np.linalg.solve(np.eye(len(state)) - slope, gap)
-            if not np.isfinite(state).all() or np.abs(state).max() > 1e3:
-                return None
-        return None
-
-    def derivative(self, state: FloatArray, h: float = 1e-6) -> FloatArray:
-        """dF/dstate by central differences."""
+    def slope(self, k: int, state: FloatArray, h: float = 1e-6) -> FloatArray:
+        """Derivative of one planning interval from tick k, in the frame that turns with the path: central differences."""
+        back = -self._rate * TICK * self.wording.every
         columns = []
         for n in range(len(state)):
             ahead, behind = state.copy(), state.copy()
             ahead[n] += h
             behind[n] -= h
-            columns.append((self.around(ahead) - self.around(behind)) / (2.0 * h))
-        return np.array(columns).T
+            columns.append(self.turned(self.advance(k, ahead), back) - self.turned(self.advance(k, behind), back))
+        return np.array(columns).T / (2.0 * h)
+
+    def rates(self, seconds: float) -> FloatArray:
+        """Growth rates [1/s] of small deviations where the flight is after some seconds, the slowest to vanish first."""
+        state, every = self.start(), self.wording.every
+        steps = round(seconds / TICK / every)
+        for step in range(steps):
+            state = self.advance(step * every, state)
+        size = np.abs(np.linalg.eigvals(self.slope(steps * every, state)))
+        return np.asarray(np.log(np.sort(size)[::-1][:SHOWN_RATES]) / (TICK * every))
 
     def fly(self, seconds: float) -> FloatArray:
         """RMS l_e of the three robots in every 10 s from the printed start [m]; infinite once it is lost."""
@@ -212,3 +191,8 @@ class Ring:
         rows[: len(squares)] = squares
         per = round(10.0 / TICK / every / seen)
         return np.sqrt(rows[: len(rows) // per * per].reshape(-1, per * ROBOTS).mean(axis=1))
+
+
+def _wrapped(poses: FloatArray) -> FloatArray:
+    """The same poses with headings in (-pi, pi]."""
+    return np.column_stack([poses[:, :2], np.arctan2(np.sin(poses[:, 2]), np.cos(poses[:, 2]))])

@@ -102,7 +102,7 @@ def linearise(
     length, psi = math.hypot(dx, dy), math.atan2(dx, -dy)
     theta = 0.5 * (own[2] + other[2])
     omega_c = 0.5 * (u[1] + w[1])
-    sin_i, cos_i, sin_u, cos_u = *_sin_cos(psi - own[2]), *_sin_cos(psi - other[2])
+    (sin_i, cos_i), (sin_u, cos_u) = _sin_cos(psi - own[2]), _sin_cos(psi - other[2])
     st, ct = _sin_cos(theta - psi)
     xi1, xi2 = pv[0] * st - pv[1] * ct, pv[0] * ct + pv[1] * st
     xi1_t, xi2_t = -pv[0] * ct - pv[1] * st, pv[0] * st - pv[1] * ct  # by theta_e
@@ -115,7 +115,7 @@ def linearise(
     spin = 0.0 if mended[OMEGA_XI] else 1.0  # the terms omega_c xi
     turn_t = turns_i * u[0] * cos_i - turns_u * w[0] * cos_u
     slide_t = turns_i * u[0] * sin_i - turns_u * w[0] * sin_u
-    si, ci, su, cu = *_sin_cos(own[2] - theta), *_sin_cos(other[2] - theta)
+    (si, ci), (su, cu) = _sin_cos(own[2] - theta), _sin_cos(other[2] - theta)
     if not mended[CENTRE_VELOCITY]:
         ci, si, cu, su = 1.0, 0.0, 1.0, 0.0
 

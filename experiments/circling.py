@@ -120,7 +120,7 @@ class Ring:
         if way.aged:
             share = TICK * way.every / way.interval
             plans = (1.0 - share) * plans + share * np.concatenate([plans[:, 1:], plans[:, -1:]], axis=1)
-        ref = self.centre(k * TICK + way.interval * np.arange(n + 1))
+        ref = self.centre(k * TICK + way.interval * np.arange(n + 1, dtype=float))
         made = plans.copy()
         seen = told if way.play == "message" and not way.aged else poses
         for i in range(ROBOTS):
@@ -133,10 +133,11 @@ class Ring:
             )  # fmt: skip
         moved = poses.copy()
         for i in range(ROBOTS):
-            v, omega = made[i, 0]
+            v, omega = made[i, 0].tolist()
             for _ in range(way.every):
                 if way.exact:
-                    moved[i] = unicycle.step(*moved[i], v, omega, TICK)
+                    x, y, theta = moved[i].tolist()
+                    moved[i] = unicycle.step(x, y, theta, v, omega, TICK)
                 else:
                     x, y, theta = moved[i]
                     moved[i] = x + TICK * v * math.cos(theta), y + TICK * v * math.sin(theta), theta + TICK * omega
@@ -156,7 +157,7 @@ class Ring:
         return np.asarray(SPACING - np.hypot(*(places - np.roll(places, -self._step, axis=0)).T))
 
     def slope(self, k: int, state: FloatArray, h: float = 1e-6) -> FloatArray:
-        """Derivative of one planning interval from tick k, in the frame that turns with the path: central differences."""
+        """Derivative of one planning interval from tick k, in the frame that turns with the path."""
         back = -self._rate * TICK * self.wording.every
         columns = []
         for n in range(len(state)):
@@ -167,7 +168,7 @@ class Ring:
         return np.array(columns).T / (2.0 * h)
 
     def rates(self, seconds: float) -> FloatArray:
-        """Growth rates [1/s] of small deviations where the flight is after some seconds, the slowest to vanish first."""
+        """Growth rates [1/s] of small deviations where the flight is after some seconds, the largest first."""
         state, every = self.start(), self.wording.every
         steps = round(seconds / TICK / every)
         for step in range(steps):
@@ -190,7 +191,7 @@ class Ring:
         rows = np.full((steps // seen + (steps % seen > 0), ROBOTS), np.inf)
         rows[: len(squares)] = squares
         per = round(10.0 / TICK / every / seen)
-        return np.sqrt(rows[: len(rows) // per * per].reshape(-1, per * ROBOTS).mean(axis=1))
+        return np.asarray(np.sqrt(rows[: len(rows) // per * per].reshape(-1, per * ROBOTS).mean(axis=1)), dtype=float)
 
 
 def _wrapped(poses: FloatArray) -> FloatArray:

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from experiments.errata_list import ENTRIES, Entry
+from experiments.errata_entry import Entry
+from experiments.errata_list import ENTRIES
 from fleet.inprocess import fly
 from formation.scenario import load
 

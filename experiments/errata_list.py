@@ -4,43 +4,17 @@
 places for the figures that its function computes.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 from experiments import evidence, evidence_text
-from experiments.evidence import Figures
+from experiments.errata_entry import PROOF, Entry
+from experiments.errata_found import FOUND
 
 TWO = ("figure8", "circle")
 """The flights of two robots that each erratum of the algorithm is flown on."""
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """One erratum before anything is computed or flown."""
-
-    number: int
-    where: str
-    printed: str
-    mended: str
-    test: str
-    """The test that holds it, without the `test_` in front."""
-    shows: str
-    """A sentence with places {0}, {1} for the figures."""
-    figures: Callable[[], Figures]
-    flights: tuple[str, ...] = ()
-    """Flights (experiments/errata.py) that are flown as printed and with this one mended."""
-    as_printed: tuple[str, ...] = ()
-    as_mended: tuple[str, ...] = ()
-    """Settings of the scenario for the two."""
-    note: str = ""
-
-
 MOTION = (
     "Against the exact motion of {2:.0f} random pairs dz/dt is off by up to {0:.2g} m/s as printed, {1:.1g} mended."
 )
-PROOF = "A proof or a statement; no controller computes with it."
 
-ENTRIES = (
+PRINTED = (
     Entry(
         1,
         "eq. (3), rows x_e and y_e",
@@ -148,7 +122,7 @@ ENTRIES = (
         "third test",
         "Q = diag[0.1, 0.1, 0.2, 0.01]",
         "Q = diag[0.1, 0.1, 0.1, 0.2, 0.01], as in the second test",
-        "erratum_10_gives_the_third_test_the_second_tests_q",
+        "the_weights_are_those_of_the_tests_and_erratum_10_gives_the_third_the_second_tests_q",
         "Q has {0:.0f} entries as printed, and the error state has {1:.0f}.",
         evidence_text.weights_of_the_third_test,
         note="As printed nobody can compute with it; the third test's page flies the ways to fill it up.",
@@ -205,3 +179,5 @@ ENTRIES = (
         as_mended=("controller.errata=[14]",),
     ),
 )
+
+ENTRIES = (*PRINTED, *FOUND)

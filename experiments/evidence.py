@@ -52,11 +52,10 @@ class Case:
 
         def at(t: float) -> FloatArray:
             x, y, theta, v, omega = self.reference
-            own_t, other_t, ref = (
-                np.array(step(*pose, *inputs, t))
-                for pose, inputs in ((own, u), (other, w), (np.array([x, y, theta]), np.array([v, omega])))
+            ref = np.array(step(x, y, theta, v, omega, t))
+            return error_state(
+                moved(own, u, t), moved(other, w, t), ref, self.distance, self.psi_r + omega * t, self.pv
             )
-            return error_state(own_t, other_t, ref, self.distance, self.psi_r + omega * t, self.pv)
 
         return (at(h) - at(-h)) / (2 * h)
 
@@ -74,6 +73,12 @@ class Case:
             own, other, self.u, self.w, self.z, self.reference, self.pv, DT, switches(*mended), a, bi, bu, rate
         )
         return a, bi, bu, rate
+
+
+def moved(pose: FloatArray, inputs: FloatArray, t: float) -> FloatArray:
+    """Pose (3,) after holding inputs (2,) for t."""
+    x, y, theta = pose.tolist()
+    return np.array(step(x, y, theta, float(inputs[0]), float(inputs[1]), t))
 
 
 def switches(*mended: int) -> FloatArray:
@@ -111,9 +116,8 @@ class Game:
         case, self.steps, self.flags = self.case, steps, switches(*mended)
         self.own, self.other = case.poses(case.z)
         self.u, self.w = g.uniform(0, 0.2, (steps, 2)), g.uniform(0, 0.2, (steps, 2))
-        path = [
-            [*step(*case.reference[:3], *case.reference[3:], j * DT), *case.reference[3:]] for j in range(steps + 1)
-        ]
+        end, held = case.reference[:3], case.reference[3:]
+        path = [np.append(moved(end, held, j * DT), held) for j in range(steps + 1)]
         self.ref = np.array(path)
         self.q, self.r = np.array(Q_TWO), np.array(R)
 
@@ -145,14 +149,14 @@ class Game:
     def joint(self) -> FloatArray:
         """Robot i's part (N, 2) of the pair's joint optimum, the equilibrium of the game that (8) and (9) state."""
         hessian, gradient = self.stacked()
-        return np.linalg.solve(hessian, -gradient).reshape(-1, 4)[:, :2]
+        return np.asarray(np.linalg.solve(hessian, -gradient).reshape(-1, 4)[:, :2], dtype=float)
 
     def best_response(self) -> FloatArray:
         """What minimises J_i over robot i's inputs (N, 2) alone, given the received plan."""
         hessian, gradient = self.stacked()
         own = np.tile([True, True, False, False], self.steps)
         pull = gradient[own] + hessian[np.ix_(own, ~own)] @ self.w.ravel()
-        return np.linalg.solve(hessian[np.ix_(own, own)], -pull).reshape(-1, 2)
+        return np.asarray(np.linalg.solve(hessian[np.ix_(own, own)], -pull).reshape(-1, 2), dtype=float)
 
 
 def distance_to_equilibrium() -> Figures:
@@ -194,7 +198,8 @@ def controllable_directions() -> Figures:
     body = np.eye(3)
     body[1, 2] = DT * u[0]
     push = DT * np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
-    return float(_reached(a, np.hstack([bi, bu]))), float(_reached(np.kron(np.eye(2), body), np.kron(np.eye(2), push)))
+    both = np.kron(np.eye(2), body).astype(float), np.kron(np.eye(2), push).astype(float)
+    return float(_reached(a, np.hstack([bi, bu]))), float(_reached(*both))
 
 
 def _reached(a: FloatArray, b: FloatArray) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from agents.belief import Upstream
 from agents.leader_follower import Follower
 from agents.situation import Pair, Situation
+from experiments.circling import Ring, Wording
 from experiments.evidence import Case, Figures
 from formation.arrays import FloatArray
 from formation.measures import error_state, wrapped
@@ -184,3 +185,24 @@ def leaving_the_place() -> Figures:
         speeds.append(float(np.hypot(*moved)))
         assert abs(float(omega) - omega_l) < 1e-12
     return tuple(speeds)
+
+
+def orientation_turned_and_kept() -> Figures:
+    """Erratum 19: RMS l_e in the fourth 10 s of the third test, planned every 0.1 s [mm]."""
+    flights = [Ring(Wording(turning=turning, every=10)).fly(40.0) for turning in (True, False)]
+    return tuple(1e3 * float(flight[3]) for flight in flights)
+
+
+def inputs_applied() -> Figures:
+    """Erratum 23: inputs of a plan, and how many of them a tick-by-tick planner applies."""
+    scenario = load("circle", ["controller.name=paper"])
+    return float(scenario.controller.horizon), float(-(-scenario.controller.plan_every // scenario.stride))
+
+
+def horizons() -> Figures:
+    """Erratum 24: N delta_t and N Delta_T [s]."""
+    scenario = load("circle", ["controller.name=paper"])
+    return tuple(
+        scenario.controller.horizon * step
+        for step in (scenario.control_interval, scenario.controller.prediction_interval)
+    )

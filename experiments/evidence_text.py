@@ -175,7 +175,7 @@ def leaving_the_place() -> Figures:
     for errata in ((), (13,)):
         scenario = load("circle", ["controller.name=leader_follower", f"controller.errata={list(errata)}"])
         pair = Pair(scenario, 2)
-        place, omega_l = pair.offset - pair.offset_upstream, 0.05
+        place, omega_l = np.subtract(*pair.offsets(0)), 0.05
         v_l = omega_l * (0.8 + place[1] / 2.0)  # robot 1 drives outside
         leader, inputs = np.zeros(3), np.tile([v_l, omega_l], (pair.horizon, 1))
         plan = Plan(1, 0, 0.0, 0, leader, pair.interval, inputs)

@@ -1,15 +1,16 @@
 """Controller `paper`: section 3.2 of the paper as printed; `controller.errata` mends it item by item.
 
-Of the twelve errata, 1 to 5 are of the algorithm. 6 and 7 are of two tests' data, which here follow from the
-offsets; `controller.misprints` brings them back. 8, 9, 10 and 12 are about a start heading, the spiral's path, a
-misprinted Q and a proof; 11 is the leader-follower's.
+Errata 1 to 5 and 14 are of the algorithm (14 mends eqs. (10) and (11) another way than 5). 6 and 7 are of two tests'
+data, which here follow from the offsets; `controller.misprints` brings them back. 11 and 13 are the leader-follower's.
+experiments/errata.py has the whole list.
 """
 
 import math
 
 import numpy as np
 
-from agents.paper_kernel import plan
+from agents.paper_game_kernel import plan
+from agents.paper_kernel import BEST_RESPONSE, SWITCHES
 from agents.situation import Pair, Situation, Solution
 from formation.arrays import FloatArray
 from formation.pattern import between
@@ -18,6 +19,8 @@ from formation.scenario import Scenario
 Q_TWO = (0.1, 0.1, 0.1, 0.5, 0.001)
 Q_MORE = (0.1, 0.1, 0.1, 0.2, 0.01)
 R = (0.1, 0.1)
+SWITCH = {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 14: BEST_RESPONSE}
+"""Switch of the kernels by number of erratum."""
 
 
 class Paper:
@@ -28,8 +31,8 @@ class Paper:
         self._pair = pair
         self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
         self._r = np.array(own.r or R, dtype=float)
-        self._mended = np.zeros(6, dtype=bool)
-        self._mended[list(own.errata)] = True
+        self._mended = np.zeros(SWITCHES, dtype=bool)
+        self._mended[[SWITCH[number] for number in own.errata if number in SWITCH]] = True
         self._infeasible = 6 in own.misprints and scenario.formation.shape == "triangle"
         self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
         self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero

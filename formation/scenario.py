@@ -93,11 +93,11 @@ class Controller(Model):
     More holds the pattern tighter and makes it depend more on fresh messages."""
     waits: bool = True
     """Whether a robot waits for those that cannot keep up (nash)."""
-    errata: tuple[Literal[1, 2, 3, 4, 5], ...] = ()
-    """Errata of the paper's algorithm that are mended in `paper`; none by default."""
-    misprints: tuple[Literal[6, 7], ...] = ()
-    """Errata of the paper's test data that are brought back in `paper`; without them the data follow from the
-    offsets. 6: the virtual centre of the triangle. 7: psi_r of the second of two robots."""
+    errata: tuple[Literal[1, 2, 3, 4, 5, 13, 14], ...] = ()
+    """Errata of the paper's algorithm that are mended in `paper`, 13 in `leader_follower`; none by default."""
+    misprints: tuple[Literal[6, 7, 11], ...] = ()
+    """Errata that are brought back; without them the tests' data follow from the offsets. `paper`: 6, the virtual
+    centre of the triangle; 7, psi_r of the second of two robots. `leader_follower`: 11."""
     gains: tuple[Positive, Positive] = (0.1, 0.1)
     """k_x and k_theta of `leader_follower`."""
 

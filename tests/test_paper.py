@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents import paper_kernel
+from agents import paper_game_kernel, paper_kernel
 from agents.belief import Upstream
 from agents.leader_follower import Follower
 from agents.paper import Q_MORE, Q_TWO, Paper
@@ -114,7 +114,7 @@ class Case:
 
     def printed(self, *mended: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """(A, B_i, B_-i, dz/dt) of the appendix, with these errata mended."""
-        flags = np.zeros(6, dtype=bool)
+        flags = np.zeros(paper_kernel.SWITCHES, dtype=bool)
         flags[list(mended)] = True
         a, bi, bu, rate = np.empty((5, 5)), np.empty((5, 2)), np.empty((5, 2)), np.empty(5)
         own, other = self.poses(self.z)
@@ -284,8 +284,9 @@ def test_erratum_5_playing_the_equilibrium_is_the_pairs_joint_optimum(seed: Any)
     psi_r = ref[:, 2] + 0.3
     data = (case.distance, case.pv, DT, q, r, np.array([1e6, 1e6]))
     out, answer = np.empty((steps, 2)), np.empty((steps, 2))
-    flags = np.array([False, True, True, True, False, True])
-    paper_kernel.plan(own, u, other, w, ref, psi_r, *data, flags, out)
+    flags = np.zeros(paper_kernel.SWITCHES, dtype=bool)
+    flags[[1, 2, 3, 5]] = True
+    paper_game_kernel.plan(own, u, other, w, ref, psi_r, *data, flags, out)
 
     # The same linearisation, along the Euler roll-out of eq. (1).
     a, bi, bu, rate = np.empty((steps, 5, 5)), np.empty((steps, 5, 2)), np.empty((steps, 5, 2)), np.empty(5)
@@ -301,7 +302,7 @@ def test_erratum_5_playing_the_equilibrium_is_the_pairs_joint_optimum(seed: Any)
     np.testing.assert_allclose(out, joint[:, :2], atol=1e-9)
 
     flags[5] = False  # eq. (11) as printed answers the received plan: something else, as that is not the equilibrium
-    paper_kernel.plan(own, u, other, w, ref, psi_r, *data, flags, answer)
+    paper_game_kernel.plan(own, u, other, w, ref, psi_r, *data, flags, answer)
     assert np.abs(answer - out).max() > 1e-3
 
 

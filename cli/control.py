@@ -1,4 +1,4 @@
-"""`echelon control`: time of a live run."""
+"""`echelon control`: time and agents of a live run."""
 
 import argparse
 
@@ -17,6 +17,8 @@ _ACTIONS = {
     "speed": "simulated seconds per second; 0: as fast as possible",
     "scenario": "fly another scenario",
     "controller": "fly again with another controller",
+    "kill": "kill a robot's agent, and keep it down",
+    "restart": "start a robot's agent again",
     "stop": "end the run and its processes",
 }
 
@@ -28,6 +30,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=text)
         if name == "step":
             action.add_argument("value", nargs="?", default="1", metavar="TICKS")
+        elif name in ("kill", "restart"):
+            action.add_argument("value", metavar="ROBOT", help="its number, from 1")
         elif name in ("speed", "scenario", "controller"):
             action.add_argument("value", metavar=name.upper())
         add_run(action)
@@ -53,6 +57,8 @@ def _operation(action: str, value: str) -> Operation:
             return control.UseScenario(scenario=value)
         case "controller":
             return control.UseController(controller=value)
+        case "kill" | "restart":
+            return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
         case _:
             return control.operation(Request(action))
 

@@ -176,7 +176,7 @@ def _checked(state: State) -> State:
         raise WireError(f"poses: expected at most {MAX_ROBOTS}; got {n}")
     if not len(state.slots) == len(state.distance_errors) == len(state.angle_errors) == n:
         raise WireError(f"expected {n} slots and errors")
-    for name in ("waiting_for", "live", "stopped"):
+    for name in ("waiting_for", "dismissed", "live", "stopped"):
         for robot in getattr(state, name):
             if not 1 <= robot <= n:
                 raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")

@@ -20,7 +20,7 @@ from network.control import GetSummary
 from network.messages import State
 from network.session import Sample, Session
 
-WATCH_SECONDS = 0.1
+WATCH_SECONDS = 0.05
 
 
 _ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -74,6 +74,7 @@ class LiveRun:
             self._supervisor.start(programs(self._plan, self._scenario))
             self._session = Session(self._plan.connect, self._plan.run)
             self._session.subscribe(keys.state(self._plan.run))
+            self._session.appear("launcher")
         except BaseException:
             self.__exit__(None, None, None)
             raise
@@ -109,7 +110,9 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            missing = set(self._state.waiting_for) & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
+            self._supervisor.keep_down(self._state.dismissed)
+            absent = set(self._state.waiting_for) - set(self._state.dismissed)
+            missing = absent & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
             self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
         return True
 

@@ -10,6 +10,9 @@ from formation.problems import problems
 from network.messages import Request
 
 
+Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
+
+
 class Start(Model):
     """Run, or go on."""
 
@@ -72,6 +75,18 @@ class UseController(Model):
     controller: str
 
 
+class Kill(Model):
+    """Have the launcher end an agent without a goodbye; it stays down until `Restart`."""
+
+    robot: Robot
+
+
+class Restart(Model):
+    """Have the launcher start an agent that was killed, or replace one that lives."""
+
+    robot: Robot
+
+
 class Stop(Model):
     """End the run and its processes."""
 
@@ -97,6 +112,8 @@ Operation = (
     | Clear
     | UseScenario
     | UseController
+    | Kill
+    | Restart
     | Stop
     | GetSetup
     | GetSummary
@@ -112,6 +129,8 @@ OPERATIONS: dict[str, type[Operation]] = {
     "clear": Clear,
     "scenario": UseScenario,
     "controller": UseController,
+    "kill": Kill,
+    "restart": Restart,
     "stop": Stop,
     "setup": GetSetup,
     "summary": GetSummary,

@@ -198,6 +198,8 @@ class State:
     status: RunStatus
     waiting_for: list[Sender]
     """Robots without a live agent."""
+    dismissed: list[Sender]
+    """Robots whose agents people have killed: the launcher keeps these down."""
     speed: NonNegative
     """Wished simulated seconds per second; 0 means as fast as possible."""
     pace: NonNegative

@@ -135,6 +135,7 @@ BUILDERS: dict[type, st.SearchStrategy] = {
         mode=st.sampled_from(["lockstep", "realtime"]),
         status=st.sampled_from(["waiting", "running", "paused", "finished"]),
         waiting_for=st.lists(SENDER, max_size=3),
+        dismissed=st.lists(SENDER, max_size=3),
         speed=NON_NEGATIVE,
         pace=NON_NEGATIVE,
         overruns=COUNT,

@@ -34,7 +34,8 @@ class Orders:
         world = self._world
         if world.finished:
             return "finished"
-        if not world.live or (world.k == 0 and self._roster.missing):
+        expected = set(self._roster.missing) - set(self._roster.dismissed)
+        if not world.live or (world.k == 0 and expected):
             return "waiting"
         return "running" if self._go else "paused"
 
@@ -80,6 +81,14 @@ class Orders:
                 self._use(load(name, settings))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
+            case control.Kill(robot=robot):
+                self._roster.dismiss(robot, for_good=True)
+                world.event("run", f"agent {robot} is killed and kept down")
+            case control.Restart(robot=robot):
+                kept = self._roster.readmit(robot)
+                if not kept:
+                    self._roster.dismiss(robot, for_good=False)
+                world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Stop():
                 self.stop = True
             case control.GetSummary(warmup=warmup):

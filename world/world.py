@@ -253,6 +253,7 @@ class World:
         overruns: int = 0,
         rejected: int = 0,
         waiting_for: Iterable[int] = (),
+        dismissed: Iterable[int] = (),
     ) -> State:
         """Everything that is worth showing; the arguments are what only the driver knows."""
         block = self._reference.block(self.k)
@@ -271,6 +272,7 @@ class World:
             mode=self.mode,
             status=status,
             waiting_for=list(waiting_for),
+            dismissed=list(dismissed),
             speed=speed,
             pace=pace,
             overruns=overruns,

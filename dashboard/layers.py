@@ -10,6 +10,7 @@ import numpy as np
 
 from dashboard import colours, geometry
 from dashboard.links import LinkView
+from dashboard.palette import Palette
 from dashboard.plans import PlanLog
 from formation.arrays import FloatArray
 from formation.pattern import upstream
@@ -56,9 +57,9 @@ def desired(slots: FloatArray, z: float) -> FloatArray:
     return geometry.lifted(dashes.reshape(-1, 2, 2), z)
 
 
-def edge_colours(distance_errors: FloatArray) -> colours.Bytes:
+def edge_colours(distance_errors: FloatArray, palette: Palette) -> colours.Bytes:
     """(n, 2, 3), encoded."""
-    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT)
+    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT, palette)
     return np.repeat(colour[:, None], 2, axis=1)
 
 
@@ -78,7 +79,7 @@ class Arrows:
     """(n, 3), encoded."""
 
 
-def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
+def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int, palette: Palette) -> Arrows:
     """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
     start, end = poses[:, :2], np.roll(poses[:, :2], -1, axis=0)
     gap = end - start
@@ -95,7 +96,7 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     a = start[:, None] + (shaft_end - start)[:, None] * steps / DASHES
     b = start[:, None] + (shaft_end - start)[:, None] * (steps + share[:, None, None]) / DASHES
     shafts = np.stack([a, b], axis=2).reshape(-1, 2, 2)
-    colour = colours.encoded_health(np.array([link.level for link in links]))
+    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
     z = sizes.z(layer)
     return Arrows(
         shafts=geometry.lifted(shafts, z),
@@ -133,28 +134,28 @@ def held_plans(
     return held
 
 
-def fading(colour: FloatArray, points: int, strength: float, *, towards_end: bool) -> FloatArray:
+def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:
     """(n (points - 1), 2, 3) sRGB for polylines that fade into the background."""
     share = strength * (np.linspace(1.0, 0.3, points) if towards_end else np.linspace(0.05, 1.0, points))
-    per_point = colours.mix(colour[:, None], share[None, :, None])
+    per_point = colours.mix(colour[:, None], share[None, :, None], palette)
     return np.stack([per_point[:, :-1], per_point[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
-def body_colours(robots: int, lost: set[int]) -> FloatArray:
+def body_colours(robots: int, lost: set[int], palette: Palette) -> FloatArray:
     """(n, 3) sRGB: the hue of each robot, pale for one without a mind."""
-    colour = colours.identities(robots)
+    colour = colours.identities(robots, palette)
     for robot in lost:
-        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35)
+        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35, palette)
     return colour
 
 
-def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None) -> FloatArray:
-    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, white around the chosen one."""
-    colour = np.tile(colours.rgb("0c0f13"), (robots, 1))
+def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None, palette: Palette) -> FloatArray:
+    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, bright around the chosen one."""
+    colour = np.tile(colours.rgb(palette.outline), (robots, 1))
     if focus is not None and 1 <= focus <= robots:
-        colour[focus - 1] = colours.rgb("ffffff")
+        colour[focus - 1] = colours.rgb(palette.chosen)
     for robot in stopped:
-        colour[robot - 1] = colours.rgb(colours.WARN)
+        colour[robot - 1] = colours.rgb(palette.warn)
     for robot in lost:
-        colour[robot - 1] = colours.rgb(colours.BAD)
+        colour[robot - 1] = colours.rgb(palette.bad)
     return colour

@@ -7,6 +7,7 @@ import numpy as np
 from dashboard import colours
 from dashboard.feed import Seen
 from dashboard.links import LinkView
+from dashboard.palette import DARK, hue
 from dashboard.summary import robot_word
 from dashboard.words import FONT, LINE, MUTED, TABLE, arrow, duration, fault_words, length, light, remark
 from network.messages import State, Status
@@ -37,7 +38,7 @@ def _square(n: int, views: list[LinkView]) -> str:
     numbers = range(1, n + 1)
     rows = "<tr><td></td>" + "".join(f'<td style="{MUTED};text-align:center">R{j}</td>' for j in numbers) + "</tr>"
     for i in numbers:
-        dot = f'<span style="color:#{colours.identity(i, n)}">●</span>'
+        dot = f'<span style="color:{hue(i, n)}">●</span>'
         rows += f'<tr><td style="font-weight:600;width:34px">{dot} R{i}</td>'
         for j in numbers:
             view = by_pair.get((i, j))
@@ -50,7 +51,7 @@ def _cell(view: LinkView | None) -> str:
     if view is None:
         return "background:rgba(128,140,160,.07);height:20px"
     known = view.age is not None or view.cut
-    colour = colours.css(colours.health(np.array(view.level))) if known else f"#{colours.GREY}"
+    colour = colours.css(colours.health(np.array(view.level))) if known else f"#{DARK.muted}"
     text = "color:#10151a;font-weight:700;text-align:center;white-space:nowrap;overflow:hidden"
     return f"background:{colour};{text};height:20px"
 
@@ -94,7 +95,7 @@ def _row(tag: str, style: str, cells: tuple[str, ...]) -> str:
 def _robot(state: State, robot: int, status: Status | None, view: LinkView) -> tuple[str, ...]:
     word = robot_word(state, robot)
     own = (
-        f'<span style="color:#{colours.identity(robot, len(state.poses))}">●</span>&nbsp;<b>R{robot}</b>',
+        f'<span style="color:{hue(robot, len(state.poses))}">●</span>&nbsp;<b>R{robot}</b>',
         f'<span style="color:{light(0.0 if word == "OK" else 1.0)}">{"alive" if word == "OK" else word}</span>',
         NOTHING
         if view.age is None
@@ -109,7 +110,7 @@ def _robot(state: State, robot: int, status: Status | None, view: LinkView) -> t
     return (*own, f"{1e3 * status.solve:.2f} ms", str(status.missed), *errors, f"{status.gap:.0e}", str(status.pid))
 
 
-_TINTS = {"run": colours.IDENTITY[0], "fault": colours.WARN, "wire": colours.WARN}
+_TINTS = {"run": "var(--r1)", "fault": "var(--warn)", "wire": "var(--warn)"}
 _GOOD = ("healthy", "is here", "moves again", "is back")
 
 
@@ -120,11 +121,11 @@ def log(state: State | None) -> str:
     rows = ""
     for event in reversed(state.events):
         good = any(word in event.text for word in _GOOD)
-        tint = colours.OK if good else _TINTS.get(event.kind, colours.BAD)
+        tint = "var(--ok)" if good else _TINTS.get(event.kind, "var(--bad)")
         rows += (
             f'<tr style="{LINE};vertical-align:top">'
             f'<td style="{MUTED};text-align:right;padding:3px 8px 3px 0;white-space:nowrap">{event.stamp:.2f} s</td>'
-            f'<td style="color:#{tint};padding:3px 8px 3px 0">{escape(event.kind)}</td>'
+            f'<td style="color:{tint};padding:3px 8px 3px 0">{escape(event.kind)}</td>'
             f'<td style="padding:3px 0;overflow-wrap:anywhere">{arrow(event.text)}</td></tr>'
         )
     counted = f"{state.rejected} payloads refused, {state.overruns} late ticks"
@@ -136,7 +137,7 @@ def in_force(state: State | None) -> str:
     if state is None or not state.faults:
         return f'<div style="{FONT};{MUTED};padding:0 10px 4px">No faults: every link is perfect.</div>'
     items = "".join(
-        f'<div style="overflow-wrap:anywhere"><b style="color:#{colours.BAD if fault.get("cut") else colours.WARN}">'
+        f'<div style="overflow-wrap:anywhere"><b style="color:var(--{"bad" if fault.get("cut") else "warn"})">'
         f"{arrow(link)}</b> {escape(fault_words(fault))}</div>"
         for link, fault in sorted(state.faults.items())
     )

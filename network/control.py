@@ -9,7 +9,6 @@ from formation.model import Duration, Model, NonNegative
 from formation.problems import problems
 from network.messages import Request
 
-
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 

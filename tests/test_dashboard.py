@@ -23,6 +23,7 @@ from dashboard.history import SERIES_POINTS, History
 from dashboard.layers import held_plans, outline_colours
 from dashboard.links import LOST_SECONDS, LinkView, links
 from dashboard.page import Page
+from dashboard.palette import DARK, LIGHT
 from dashboard.plans import KEPT_BYTES, PLAN_BYTES, PlanLog
 from dashboard.server import refused, serve
 from formation import unicycle
@@ -108,7 +109,8 @@ def test_a_plan_is_drawn_where_the_plant_would_go(
 
 
 def test_colours_come_out_of_the_tone_curve_as_they_were_asked_for() -> None:
-    for text in (colours.OK, colours.WARN, colours.BAD, colours.SLOT, colours.BACKGROUND, colours.IDENTITY[0]):
+    dark, light = ((p.ok, p.warn, p.bad, p.slot, p.background, p.identity[0]) for p in (DARK, LIGHT))
+    for text in (*dark, *light, *LIGHT.identity):
         linear = colours.encode(colours.rgb(text)) / 255.0
         curve = (linear / 0.6) @ colours._INPUT.T
         curve = (curve * (curve + 0.0245786) - 0.000090537) / (curve * (0.983729 * curve + 0.4329510) + 0.238081)
@@ -116,6 +118,8 @@ def test_colours_come_out_of_the_tone_curve_as_they_were_asked_for() -> None:
         shown = np.where(screen <= 0.0031308, 12.92 * screen, 1.055 * screen ** (1 / 2.4) - 0.055)
         # The hue: a colour too bright for the curve comes out darker, one too pure a little paler.
         assert np.abs(shown - colours.rgb(text)).max() < 0.1, text
+        if text in (DARK.background, LIGHT.background):
+            assert np.abs(shown - colours.rgb(text)).max() < 0.005, "lines fade into it"
 
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
@@ -476,8 +480,9 @@ def test_a_robot_that_is_not_offered_is_not_followed(page: Page, choice: str) ->
     assert page._scene.focus is None
     page._focus_on(client, 3)
     assert page._scene.focus == 3
+    nobody = outline_colours(3, set(), set(), None, DARK)
     for focus in (-4, 0, 4):
-        np.testing.assert_array_equal(outline_colours(3, set(), set(), focus), outline_colours(3, set(), set(), None))
+        np.testing.assert_array_equal(outline_colours(3, set(), set(), focus, DARK), nobody)
 
 
 def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(

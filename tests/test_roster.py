@@ -97,7 +97,7 @@ def test_without_a_launcher_nobody_is_killed() -> None:
     _, roster, orders = run_of_three()
     roster.launcher = False
     for order in (Kill(robot=2), Restart(robot=2)):
-        with pytest.raises(EchelonError, match="nobody here can end or start agents.*docker compose kill agent-2"):
+        with pytest.raises(EchelonError, match=r"nobody here can end or start agents.*docker compose kill agent-2"):
             orders.obey(order)
     assert roster.dismissed == []
 

@@ -20,7 +20,7 @@ class Lives:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        self._open: dict[int, viser.GuiModalHandle] = {}
+        self._open: dict[int, Any] = {}
         self._state: State | None = None
 
     def draw(self, state: State) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from dashboard import tables
+from dashboard import palette, tables
 from dashboard.cameras import Cameras
 from dashboard.controls import offer
 from dashboard.desk import Desk
@@ -15,11 +15,14 @@ from dashboard.faults import FaultPanel
 from dashboard.feed import Feed, Seen
 from dashboard.history import History
 from dashboard.links import LinkView, links
+from dashboard.lives import Lives
+from dashboard.matrix import matrix
 from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
 from dashboard.plots import FIRST, SECOND, Plots
 from dashboard.run import RunPanel
 from dashboard.scene import LAYERS, Scene
+from dashboard.taps import Taps
 from dashboard.words import legend
 from network.lifetime import Lifetime
 from network.session import Session
@@ -42,16 +45,19 @@ class Page:
         self._feed = Feed(session)
         self._notices = Notices(server)
         self._desk = Desk(session, self._feed, self._notices.tell)
+        self._lives = Lives(self._desk)
         self._history = History()
         self._cameras = Cameras(server)
-        self._scene = Scene(server, self._focus_on, self._choose_link)
+        self._scene = Scene(server, self._focus_on, lambda sender: self._faults.choose("link", sender))
         self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
         self._dress()
         gui = server.gui
+        gui.add_html(palette.style())
         self._run = RunPanel(gui, self._desk)
         self._faults = FaultPanel(gui, self._desk)
         self._add_view(gui)
+        self._taps = Taps(gui, self._tapped)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(330)
         panel = gui.add_panel()
@@ -130,8 +136,16 @@ class Page:
             self._scene.focus, self._focus.value = robot, name
             self._cameras.follow(client, robot)
 
-    def _choose_link(self, sender: int) -> None:
-        self._faults.choose(sender)
+    def _tapped(self, verb: str, number: int, event: viser.GuiEvent[Any]) -> None:
+        """A person pressed a cell of a table."""
+        if event.client is None:
+            return
+        if verb == "focus":
+            self._focus_on(event.client, number)
+        elif verb in ("kill", "restart"):
+            self._lives.pressed(verb, number, event.client)
+        else:
+            self._faults.choose(verb, number)
 
     # ------------------------------------------------------------------ the loop
 
@@ -173,11 +187,14 @@ class Page:
 
     def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
         self._run.draw(seen, views)
-        self._matrix.content = tables.matrix(seen, views)
-        self._robots.content = tables.robots(seen, views)
+        n = len(seen.poses)
+        self._taps.offer({"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {})
+        self._matrix.content = matrix(seen, views, self._taps, self._faults.target)
+        self._robots.content = tables.robots(seen, views, self._taps)
         self._log.content = tables.log(seen.state)
         if seen.state is not None:
             self._faults.draw(seen.state)
+            self._lives.draw(seen.state)
             options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
             offer(self._focus, options)
         self._notices.compare(seen, views)

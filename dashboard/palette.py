@@ -85,7 +85,8 @@ def style() -> str:
         for palette in (DARK, LIGHT)
     )
     canvas = f':root[data-mantine-color-scheme="light"] canvas[data-engine]{{background:#{LIGHT.background}}}'
-    return f"<style>{rules}{canvas}</style>"
+    press = "[data-tap]{cursor:pointer;user-select:none}[data-tap]:hover{filter:brightness(1.15)}"
+    return f"<style>{rules}{canvas}{press}</style>"
 
 
 def _variables(palette: Palette) -> str:

@@ -46,7 +46,7 @@ class Taps:
         name = f"{verb} {number}"
         if name not in self._group.options:
             return ""
-        return f'data-tap="{self._group.options.index(name)}" role="button"'
+        return f'data-tap="{self._group.options.index(name)}" role="button" aria-label="{name}"'
 
     def _pressed(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is None or event.target.value not in self._group.options:  # a page may send anything

@@ -81,6 +81,17 @@ class Driven:
         _click(self.page.get_by_role("button", name=name, exact=True))
         self.page.wait_for_timeout(THROTTLE_MS)
 
+    def tap(self, name: str) -> None:
+        """Press a cell of a table, such as "link 2" or "kill 1"."""
+        cell = self.page.locator(f'[data-tap][aria-label="{name}"]')
+        cell.wait_for(state="attached", timeout=20_000)
+        cell.dispatch_event("pointerdown")
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def show(self, tab: str) -> None:
+        """Open a tab of the right panel."""
+        _click(self.page.get_by_role("tab", name=tab, exact=True))
+
     def _id(self, label: str) -> str:
         found = self.page.locator(f'label:text-is("{label}")').get_attribute("for")
         assert found is not None

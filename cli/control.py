@@ -19,6 +19,7 @@ _ACTIONS = {
     "controller": "fly again with another controller",
     "kill": "kill a robot's agent, and keep it down",
     "restart": "start a robot's agent again",
+    "compare": "fly a ghost beside it: a controller on the same faults; off: no more",
     "stop": "end the run and its processes",
 }
 
@@ -32,8 +33,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             action.add_argument("value", nargs="?", default="1", metavar="TICKS")
         elif name in ("kill", "restart"):
             action.add_argument("value", metavar="ROBOT", help="its number, from 1")
-        elif name in ("speed", "scenario", "controller"):
-            action.add_argument("value", metavar=name.upper())
+        elif name in ("speed", "scenario", "controller", "compare"):
+            action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
         add_run(action)
 
 
@@ -59,6 +60,8 @@ def _operation(action: str, value: str) -> Operation:
             return control.UseController(controller=value)
         case "kill" | "restart":
             return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+        case "compare":
+            return control.operation(Request("compare", {"controller": value}))
         case _:
             return control.operation(Request(action))
 

@@ -41,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
         speed=options.speed,
         paused=options.paused,
         endless=True,
+        ghost=True,
     ) as live:
         tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         shown = 0

@@ -1,12 +1,14 @@
 """What people and programs may ask of the world: one model per operation, named in a Request."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
 from formation.errors import EchelonError, unknown
+from formation.faults import Fault
 from formation.model import Duration, Model, NonNegative
 from formation.problems import problems
+from formation.scenario import ControllerName
 from network.messages import Request
 
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
@@ -86,12 +88,35 @@ class Restart(Model):
     robot: Robot
 
 
+class Compare(Model):
+    """Fly a ghost beside the formation: the same scenario under a controller, on the same faults."""
+
+    controller: Literal[ControllerName, "off"]
+
+
 class Stop(Model):
     """End the run and its processes."""
 
 
 class GetSetup(Model):
     """Answered by a Setup instead of a Reply."""
+
+
+class GetFaults(Model):
+    """The reply's value is a FaultTables: which faults this flight has met so far, in parts."""
+
+    known: Annotated[int, Field(ge=0)] = 0
+    """Number of tables that are not wanted, because they are known."""
+
+
+class FaultTables(Model):
+    """Faults of a flight: from each stamp on, every link that was not perfect."""
+
+    epoch: int
+    changes: int
+    """How many tables there have been in this flight; one that is not here is had by asking again."""
+    tables: list[tuple[NonNegative, dict[str, Fault]]]
+    """The first table of all is that of the start."""
 
 
 class GetSummary(Model):
@@ -113,8 +138,10 @@ Operation = (
     | UseController
     | Kill
     | Restart
+    | Compare
     | Stop
     | GetSetup
+    | GetFaults
     | GetSummary
 )
 OPERATIONS: dict[str, type[Operation]] = {
@@ -130,8 +157,10 @@ OPERATIONS: dict[str, type[Operation]] = {
     "controller": UseController,
     "kill": Kill,
     "restart": Restart,
+    "compare": Compare,
     "stop": Stop,
     "setup": GetSetup,
+    "faults": GetFaults,
     "summary": GetSummary,
 }
 _NAMES = {model: name for name, model in OPERATIONS.items()}

@@ -90,6 +90,7 @@ def state(
         "stopped": [],
         "faults": {},
         "events": list(events),
+        "compare": "",
     }
     return State(**{**fields, **changes})  # type: ignore[arg-type]
 

@@ -25,6 +25,8 @@ class Orders:
         self._ticks_left = 0  # of a Step
         self.stop = False
         """Whether the run shall end."""
+        self.compare = ""
+        """Controller that a ghost shall fly; empty for none."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
@@ -89,6 +91,10 @@ class Orders:
                 if not kept:
                     self._roster.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
+            case control.Compare(controller=name):
+                self.compare = "" if name == "off" else name
+            case control.GetFaults(known=known):
+                return self._faults_since(known)
             case control.Stop():
                 self.stop = True
             case control.GetSummary(warmup=warmup):
@@ -96,6 +102,12 @@ class Orders:
                 figures = {"wall_s": pace.wall, "overruns": pace.overruns, "rejected": self.rejected}
                 return {**world.summary(warmup=warmup), **figures}
         return {}
+
+    def _faults_since(self, known: int) -> dict[str, Any]:
+        world = self._world
+        tables = world.faults.since(known)
+        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
+        return {"epoch": world.epoch, "changes": world.faults.changes, "tables": told}
 
     def _use(self, scenario: Scenario) -> None:
         self._world.use(scenario)

@@ -240,5 +240,6 @@ class Driver:
             rejected=self._rejects.count,
             waiting_for=self._roster.missing,
             dismissed=self._roster.dismissed,
+            compare=self._orders.compare,
         )
         self._session.publish(self._keys["state"], state)

@@ -19,7 +19,7 @@ from dashboard.lives import Lives
 from dashboard.matrix import matrix
 from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
-from dashboard.plots import FIRST, SECOND, Plots
+from dashboard.plots import FIRST, SECOND, Chart
 from dashboard.run import RunPanel
 from dashboard.scene import LAYERS, Scene
 from dashboard.taps import Taps
@@ -62,9 +62,9 @@ class Page:
         gui.main_panel.set_width(330)
         panel = gui.add_panel()
         with panel.add_tab("Live", viser.Icon.CHART_LINE):
-            self._first = Plots(gui, FIRST)
+            first = [Chart(gui, plot) for plot in FIRST]
             self._matrix = gui.add_html("")
-            self._second = Plots(gui, SECOND)
+            self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
         with panel.add_tab("Robots", viser.Icon.ROBOT):
             self._robots = gui.add_html("")
         with panel.add_tab("Log", viser.Icon.LIST):
@@ -171,7 +171,8 @@ class Page:
         views = links(state, seen.statuses) if state is not None else []
         with self._server.atomic():
             if state is not None and seen.scenario is not None:
-                self._history.add(state, views)
+                self._history.ghost.follow(state, seen.ghosts)
+                self._history.add(state, views, solves(seen))
                 self._scene.draw(seen, views, self._history)
             now = monotonic()
             if now - self._panel_at >= PANEL_INTERVAL:
@@ -179,14 +180,15 @@ class Page:
                 self._draw_panels(seen, views)
             elif now - self._plot_at >= PLOT_INTERVAL:
                 self._plot_at = now
-                self._first.draw(self._history)
-                self._second.draw(self._history)
+                series = self._history.series()
+                for chart in self._charts:
+                    chart.draw(series, ghost=bool(state and state.compare))
         if state is not None and seen.scenario is not None and len(seen.poses) == seen.scenario.size:
             self._cameras.update(seen.scenario, seen.poses)
         return len(seen.poses)
 
     def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
-        self._run.draw(seen, views)
+        self._run.draw(seen, views, self._history)
         n = len(seen.poses)
         self._taps.offer({"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {})
         self._matrix.content = matrix(seen, views, self._taps, self._faults.target)
@@ -198,6 +200,12 @@ class Page:
             options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
             offer(self._focus, options)
         self._notices.compare(seen, views)
+
+
+def solves(seen: Seen) -> list[float]:
+    """What a plan has cost each robot of late [s]."""
+    epoch = seen.state.epoch if seen.state is not None else None
+    return [status.solve for status in seen.statuses.values() if status.epoch == epoch]
 
 
 def _logo(ink: str) -> str:

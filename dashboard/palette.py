@@ -23,6 +23,8 @@ class Palette:
     """Small print."""
     background: str
     """Behind the scene; lines fade into it."""
+    ghost: str
+    """Of another controller's flight."""
     slot: str
     path: str
     desired: str
@@ -46,6 +48,7 @@ DARK = Palette(
     bad="f0485c",
     muted="8b94a5",
     background="141414",
+    ghost="aab2c0",
     slot="566170",
     path="8892a6",
     desired="6b7688",
@@ -64,6 +67,7 @@ LIGHT = Palette(
     bad="d11f3a",
     muted="5f6878",
     background="d9dde2",
+    ghost="5f6878",
     slot="9aa3b0",
     path="6f7989",
     desired="8b95a4",
@@ -76,7 +80,7 @@ LIGHT = Palette(
 
 
 def style() -> str:
-    """A style sheet with both looks' colours for HTML: var(--ok), var(--warn), var(--bad), var(--muted), var(--r1).
+    """A style sheet with both looks' colours for HTML: var(--ok), var(--warn), var(--bad), var(--muted), ...
 
     It also gives the light look a background that the renderer's tone curve can reach, so that lines fade into it.
     """
@@ -91,6 +95,7 @@ def style() -> str:
 
 def _variables(palette: Palette) -> str:
     named = {"ok": palette.ok, "warn": palette.warn, "bad": palette.bad, "muted": palette.muted, "crowd": palette.crowd}
+    named["ghost"] = palette.ghost
     hues = {f"r{i}": hue for i, hue in enumerate(palette.identity, start=1)}
     return "".join(f"--{name}:#{colour};" for name, colour in {**named, **hues}.items())
 

@@ -6,25 +6,29 @@ from typing import Any
 import numpy as np
 import viser
 
-from dashboard import colours, geometry, layers
+from dashboard import colours, geometry, layers, nodes
 from dashboard.feed import Seen
-from dashboard.history import TRAIL_POINTS, History
+from dashboard.ghost_layer import GhostLayer
+from dashboard.history import History
 from dashboard.links import LinkView
 from dashboard.palette import DARK, Palette
+from dashboard.series import TRAIL_POINTS
 from formation.arrays import FloatArray
 from formation.scenario import Scenario
 from network.messages import State
 
 TRAIL_EVERY = 3
 """Frames between two updates of the trails, which are the most bytes."""
+GHOST = "Ghost"
 LAYERS = {
     "Trails": ("/trails",),
     "Horizons": ("/horizons",),
     "Beliefs": ("/beliefs",),
     "Slots": ("/slots", "/desired"),
     "Links": ("/links", "/heads"),
+    GHOST: (),
 }
-"""What can be hidden, and its nodes."""
+"""What can be hidden, and its nodes; the ghost hides its own."""
 
 
 class Scene:
@@ -55,6 +59,8 @@ class Scene:
         self._focus_drawn: int | None = None
         self._state: State | None = None
         self._looks: object = None
+        self._ghost: GhostLayer | None = None
+        self._ghost_shown = True
         self._palette = DARK
         scene = server.scene
         scene.configure_environment_map(None)
@@ -86,6 +92,8 @@ class Scene:
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of LAYERS."""
+        if name == GHOST:
+            self._ghost_shown = shown
         for node in LAYERS[name]:
             self._hidden.discard(node) if shown else self._hidden.add(node)
             if node in self._nodes:
@@ -102,8 +110,12 @@ class Scene:
             self._scenario = scenario
         self._frame += 1
         self._move(seen.poses, links)
-        if self._frame % TRAIL_EVERY == 1:
+        trails = self._frame % TRAIL_EVERY == 1
+        if trails:
             self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
+        if self._ghost is not None:
+            self._ghost.allow(self._ghost_shown)
+            self._ghost.draw(history.ghost, seen.stamp, trails=trails)
         if state is not self._state or self._focus_drawn != self.focus:
             self._state, self._focus_drawn = state, self.focus
             self._recolour(state, links)
@@ -111,34 +123,34 @@ class Scene:
 
     def _move(self, poses: FloatArray, links: list[LinkView]) -> None:
         """What moves in every frame."""
-        nodes, sizes = self._nodes, self._sizes
+        drawn, sizes = self._nodes, self._sizes
         turned = geometry.turns(poses[:, 2])
         for name, layer in (("/outlines", 9), ("/bodies", 10)):
-            nodes[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
-            nodes[name].batched_wxyzs = turned
+            drawn[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
+            drawn[name].batched_wxyzs = turned
         strokes = self._strokes + poses[self._stroke_owner, None, :2]
-        nodes["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
-        nodes["/edges"].points = layers.edges(poses, sizes.z(6))
+        drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
+        drawn["/edges"].points = layers.edges(poses, sizes.z(6))
         arrows = layers.arrows(poses, links, sizes, 7, self._palette)
-        nodes["/links"].points = arrows.shafts
-        nodes["/links"].colors = arrows.shaft_colours
-        nodes["/heads"].batched_positions = arrows.tips
-        nodes["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
-        nodes["/heads"].batched_colors = arrows.head_colours
+        drawn["/links"].points = arrows.shafts
+        drawn["/links"].colors = arrows.shaft_colours
+        drawn["/heads"].batched_positions = arrows.tips
+        drawn["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
+        drawn["/heads"].batched_colors = arrows.head_colours
 
     def _recolour(self, state: State, links: list[LinkView]) -> None:
         """What changes with every state."""
-        nodes, n = self._nodes, len(state.poses)
-        nodes["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
-        nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
-        nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
+        drawn, n = self._nodes, len(state.poses)
+        drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
+        drawn["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
+        drawn["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
         looks = (n, lost, stopped, self.focus)
         if looks != self._looks:
             self._looks = looks
-            nodes["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost, self._palette))
+            drawn["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost, self._palette))
             outlines = layers.outline_colours(n, lost, stopped, self.focus, self._palette)
-            nodes["/outlines"].batched_colors = colours.encode(outlines)
+            drawn["/outlines"].batched_colors = colours.encode(outlines)
 
     def _plan(self, seen: Seen, state: State, steps: int) -> None:
         """What robots want, and what their neighbours believe of it."""
@@ -198,31 +210,18 @@ class Scene:
             "/numbers": self._lines("/numbers", np.zeros((len(self._strokes), 2, 3)), colours.rgb(palette.number), 2.0),
         }
         self._nodes["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
+        self._ghost = GhostLayer(self._server.scene, n, sizes, palette)
+        self._nodes.update(self._ghost.nodes)
         for name in self._hidden:
             self._nodes[name].visible = False
         self._nodes["/bodies"].on_click(self._clicked_robot)
         self._nodes["/heads"].on_click(self._clicked_link)
 
     def _lines(self, name: str, points: FloatArray, colour: FloatArray, thickness: float) -> Any:
-        if colour.ndim == 1:
-            colour = np.broadcast_to(colour, points.shape)
-        return self._server.scene.add_line_segments(
-            name, points, colours.encode(colour), thickness=thickness, thickness_units="screen"
-        )
+        return nodes.lines(self._server.scene, name, points, colour, thickness)
 
     def _meshes(self, name: str, shape: tuple[FloatArray, geometry.Faces], count: int) -> Any:
-        return self._server.scene.add_batched_meshes_simple(
-            name,
-            shape[0],
-            shape[1],
-            np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
-            np.zeros((count, 3)),
-            batched_colors=np.zeros((count, 3), dtype=np.uint8),
-            lod="off",
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
+        return nodes.meshes(self._server.scene, name, shape, count)
 
     def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:

@@ -12,7 +12,7 @@ from network.messages import State
 TRACKING_LIMIT = 0.025
 """The centre is off its path from here on [m]."""
 
-_CARD = "background:rgba(128,140,160,.10);border-radius:4px"
+CARD = "background:rgba(128,140,160,.10);border-radius:4px"
 
 
 def head(seen: Seen, views: list[LinkView]) -> str:
@@ -67,7 +67,7 @@ def _tiles(state: State, views: list[LinkView]) -> str:
         ("OLDEST PLAN", *duration(age), age / LOST_SECONDS),
     )
     cells = "".join(
-        f'<div style="{_CARD};border-left:3px solid {light(level)};padding:5px 8px;min-width:0">'
+        f'<div style="{CARD};border-left:3px solid {light(level)};padding:5px 8px;min-width:0">'
         f'<div style="{MUTED};font-size:10px;letter-spacing:.04em;white-space:nowrap">{label}</div>'
         f'<div style="font-size:17px;font-weight:700;white-space:nowrap">{number}'
         f'<span style="{MUTED};font-size:11px;font-weight:400"> {unit}</span></div></div>'
@@ -87,7 +87,7 @@ def _chips(seen: Seen, views: list[LinkView]) -> str:
         level = 1.0 if word != "OK" else views[robot - 2].level
         name = f"R{robot}" if word == "OK" else f"R{robot} {word}"
         chips += (
-            f'<span style="{_CARD};border-bottom:2px solid {light(level)};padding:2px 4px;'
+            f'<span style="{CARD};border-bottom:2px solid {light(level)};padding:2px 4px;'
             f'text-align:center;white-space:nowrap"><span style="color:{hue(robot, n)}">●</span> {name}</span>'
         )
     return f'<div style="{grid};gap:4px;margin-top:6px;font-size:11px">{chips}</div>'

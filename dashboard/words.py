@@ -63,6 +63,7 @@ def legend() -> str:
         ("border:2px solid var(--muted);border-radius:50%;width:11px;height:11px", "where it should be"),
         (f"background:{ramp};height:5px;width:28px;border-radius:2px", "edge: error 0…20 mm, arrow: age 0…500 ms"),
         ("border-top:2px dashed var(--bad);width:28px", "no plan for half a second: lost"),
+        ("border:1.5px dashed var(--ghost);border-radius:50%;width:11px;height:11px", "ghost: another controller"),
     )
     frame = "width:30px;display:flex;justify-content:center;flex:none"
     lines = "".join(
@@ -73,9 +74,12 @@ def legend() -> str:
     return f'<div style="font-size:11px;padding:0 10px 6px">{lines}</div>'
 
 
-def plot_title(name: str, unit: str, marks: tuple[tuple[str, str], ...]) -> str:
-    """The line above a plot: its name, its unit, and the colour and meaning of its series."""
-    series = "".join(f'<span style="color:{colour};margin-left:10px">● {text}</span>' for colour, text in marks)
+def plot_title(name: str, unit: str, marks: tuple[tuple[str, str, bool], ...]) -> str:
+    """The line above a plot: its name, its unit, and the colour and meaning of its lines, which may be dashed."""
+    series = "".join(
+        f'<span style="color:{colour};margin-left:10px">{"┅" if dashed else "●"} {text}</span>'
+        for colour, text, dashed in marks
+    )
     return (
         '<div style="display:flex;font-size:12px;padding:0 16px 0 10px;margin-bottom:-8px">'
         f'<b>{name}</b><span style="{MUTED};margin-left:8px">{unit}</span>'

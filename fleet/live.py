@@ -7,6 +7,7 @@ from queue import Empty
 from types import TracebackType
 from typing import Any, Self
 
+from dashboard.access import Guard
 from fleet.compiling import ensure_compiled
 from fleet.processes import Plan, agent, programs
 from fleet.runs import Claim
@@ -57,7 +58,8 @@ class LiveRun:
         """
         self._scenario, self._tell = scenario, tell
         page = options.get("dashboard")
-        self._claim = Claim(name, page=f"http://{page[0]}:{page[1]}" if page else "")
+        address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
+        self._claim = Claim(name, page=address)
         self._plan = Plan(
             name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
         )

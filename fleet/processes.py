@@ -45,6 +45,8 @@ class Plan:
     """Host and port to serve the page on; None for a run without one."""
     ghost: bool = False
     """Whether people may have another controller fly beside this one."""
+    token: str | None = None
+    """That browsers must bring; None on loopback."""
 
 
 def programs(plan: Plan, scenario: Scenario) -> list[Program]:
@@ -61,7 +63,7 @@ def programs(plan: Plan, scenario: Scenario) -> list[Program]:
         found.append(Program("ghost", 0, "fleet.ghost", common))
     if plan.dashboard is not None:
         host, port = plan.dashboard
-        where = ("--host", host, "--port", str(port))
+        where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
         found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
     return found
 

@@ -31,8 +31,8 @@ def matrix(seen: Seen, views: list[LinkView], taps: Taps, chosen: Collection[str
         return ""
     n = len(seen.state.poses)
     few = n <= MATRIX_ROBOTS
-    note = "plan age, from row to column; " * few + "press one to aim faults at it"
-    title = f'<div style="padding:2px 0 4px"><b>Links</b> <span style="{MUTED}">{note}</span></div>'
+    note = "row to column; " * few + "press one to aim faults at it"
+    title = f'<div style="padding:2px 0 4px"><b>Age of plans</b> <span style="{MUTED}">{note}</span></div>'
     body = _square(n, views, taps, chosen) if few else _list(views, taps, chosen)
     return taps.around(f'<div style="{FONT};padding:0 16px 8px 10px">{title}{body}</div>')
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from dashboard import palette, tables
+from dashboard import tables
 from dashboard.cameras import Cameras
 from dashboard.controls import offer
 from dashboard.desk import Desk
@@ -19,8 +19,11 @@ from dashboard.lives import Lives
 from dashboard.matrix import matrix
 from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
+from dashboard.palette import DARK, LIGHT, Palette, style
 from dashboard.plots import FIRST, SECOND, Chart
+from dashboard.recording import Recording
 from dashboard.run import RunPanel
+from dashboard.saving import Saving
 from dashboard.scene import LAYERS, Scene
 from dashboard.taps import Taps
 from dashboard.words import legend
@@ -47,16 +50,19 @@ class Page:
         self._desk = Desk(session, self._feed, self._notices.tell)
         self._lives = Lives(self._desk)
         self._history = History()
+        self._recording = Recording()
         self._cameras = Cameras(server)
         self._scene = Scene(server, self._focus_on, lambda sender: self._faults.choose("link", sender))
         self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
+        self._palette = DARK
         self._dress()
         gui = server.gui
-        gui.add_html(palette.style())
+        gui.add_html(style())
         self._run = RunPanel(gui, self._desk)
         self._faults = FaultPanel(gui, self._desk)
         self._add_view(gui)
+        self._saving = Saving(gui, session.run, self._recording, lambda: self._palette, self._notices.tell)
         self._taps = Taps(gui, self._tapped)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(330)
@@ -74,7 +80,7 @@ class Page:
 
     def _dress(self) -> None:
         self._server.gui.configure_theme(
-            dark_mode=True,
+            dark_mode=self._palette.dark,
             show_logo=False,
             show_share_button=False,
             brand_color=(60, 150, 220),
@@ -89,12 +95,14 @@ class Page:
     def _add_view(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("View"):
             camera = gui.add_button_group("Camera", ("Fit", "3D", "Follow"))
+            light = gui.add_checkbox("Light", False, hint="Light instead of dark, on every page of this run")
             self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
             gui.add_html(legend())
             with gui.add_folder("Layers", expand_by_default=False):
                 for name in LAYERS:
                     box = gui.add_checkbox(name, True)
                     box.on_update(partial(self._show_layer, name))
+        light.on_update(lambda event: self._choose_look(LIGHT if event.target.value else DARK))
         camera.on_click(lambda event: self._look(event.target.value, event.client))
         self._focus.on_update(self._focus_chosen)
         for name, key in (("Fit", "F"), ("3D", "D"), ("Follow", "G")):
@@ -105,6 +113,10 @@ class Page:
 
     def _show_layer(self, name: str, event: viser.GuiEvent[Any]) -> None:
         self._scene.show_layer(name, bool(event.target.value))
+
+    def _choose_look(self, palette: Palette) -> None:
+        self._palette = palette
+        self._dress()
 
     def _look_at(self, how: str, event: Any) -> None:
         self._look(how, event.client)
@@ -170,9 +182,11 @@ class Page:
         state = seen.state
         views = links(state, seen.statuses) if state is not None else []
         with self._server.atomic():
+            self._scene.dress(self._palette)
             if state is not None and seen.scenario is not None:
                 self._history.ghost.follow(state, seen.ghosts)
                 self._history.add(state, views, solves(seen))
+                self._recording.add(state, views, seen.statuses)
                 self._scene.draw(seen, views, self._history)
             now = monotonic()
             if now - self._panel_at >= PANEL_INTERVAL:
@@ -199,6 +213,7 @@ class Page:
             self._lives.draw(seen.state)
             options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
             offer(self._focus, options)
+        self._saving.note(seen)
         self._notices.compare(seen, views)
 
 

@@ -90,7 +90,7 @@ class Driven:
 
     def show(self, tab: str) -> None:
         """Open a tab of the right panel."""
-        _click(self.page.get_by_role("tab", name=tab, exact=True))
+        self.page.get_by_role("tab", name=tab, exact=True).click(force=True)
 
     def _id(self, label: str) -> str:
         found = self.page.locator(f'label:text-is("{label}")').get_attribute("for")

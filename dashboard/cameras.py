@@ -5,6 +5,7 @@ The camera is in perspective with a narrow angle, which looks flat from above an
 
 import math
 import threading
+from collections import deque
 from dataclasses import dataclass, field
 from time import monotonic
 
@@ -40,6 +41,8 @@ class _View:
     rest_until: float = 0.0
     fit_at: list[float] = field(default_factory=list)
     """When to fit again: the page tells its size late."""
+    ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=6))
+    """What this page was last told to look at, and from where: what differs is a person's doing [m]."""
 
 
 class Cameras:
@@ -80,6 +83,7 @@ class Cameras:
             view = self._views.get(client.client_id)
             if view is None:
                 return
+            view.fit_at = []
             look_at = np.array(client.camera.look_at)
             distance = float(np.linalg.norm(np.array(client.camera.position) - look_at))
             self._move(view, look_at, 0.92 * distance * np.array([-0.30, -0.66, 0.69]))
@@ -148,6 +152,7 @@ class Cameras:
 
     def _move(self, view: _View, look_at: FloatArray, offset: FloatArray) -> None:
         view.offset, view.set_at = offset, monotonic()
+        view.ours.append((look_at, offset))
         with view.client.atomic():
             camera = view.client.camera
             camera.position = look_at + offset
@@ -176,20 +181,31 @@ class Cameras:
     def _connected(self, client: viser.ClientHandle) -> None:
         with self._lock:
             view = self._views[client.client_id] = _View(client)
+            home = self._server.initial_camera
+            for camera in (client.camera, home):
+                view.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
             self._first(view)
 
         @client.camera.on_update
         def _(camera: viser.CameraHandle) -> None:
             with self._lock:
-                offset = np.array(camera.position) - np.array(camera.look_at)
-                moved = np.linalg.norm(offset - view.offset) > 0.01 * np.linalg.norm(view.offset)
-                if view.target is not None and moved and monotonic() - view.set_at < 10.0:
-                    view.offset = offset
-                    view.rest_until = monotonic() + HANDS_OFF_SECONDS
+                look_at = np.array(camera.look_at)
+                _note_hand(view, look_at, np.array(camera.position) - look_at)
 
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._views.pop(client.client_id, None)
+
+
+def _note_hand(view: _View, look_at: FloatArray, offset: FloatArray) -> None:
+    """A page says how it looks. If a person moved it, late fits are off, and what follows goes on from there."""
+    near = 0.01 * float(np.linalg.norm(view.offset))
+    if view.target is None:
+        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in view.ours):
+            view.fit_at = []
+    elif np.linalg.norm(offset - view.offset) > near and monotonic() - view.set_at < 10.0:
+        view.offset = offset
+        view.rest_until = monotonic() + HANDS_OFF_SECONDS
 
 
 def _bounds(scenario: Scenario) -> tuple[FloatArray, FloatArray]:

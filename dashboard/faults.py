@@ -97,7 +97,7 @@ class FaultPanel:
     def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
         if event.client_id is None:  # the page follows the world; nobody moved it
             return
-        self._desk.change(self.target, {key: value}, self._seconds(), event.client_id)
+        self._desk.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
 
     def _use_preset(self, event: viser.GuiEvent[Any]) -> None:
         name = event.target.value

@@ -19,12 +19,13 @@ from dashboard.lives import Lives
 from dashboard.matrix import matrix
 from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
-from dashboard.palette import DARK, LIGHT, Palette, style
+from dashboard.palette import DARK, LIGHT, Palette
 from dashboard.plots import FIRST, SECOND, Chart
 from dashboard.recording import Recording
 from dashboard.run import RunPanel
 from dashboard.saving import Saving
 from dashboard.scene import LAYERS, Scene
+from dashboard.sheet import sheet
 from dashboard.taps import Taps
 from dashboard.words import legend
 from network.lifetime import Lifetime
@@ -55,10 +56,11 @@ class Page:
         self._scene = Scene(server, self._focus_on, lambda sender: self._faults.choose("link", sender))
         self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
+        self._told: tuple[object, ...] = ()
         self._palette = DARK
         self._dress()
         gui = server.gui
-        gui.add_html(style())
+        gui.add_html(sheet())
         self._run = RunPanel(gui, self._desk)
         self._faults = FaultPanel(gui, self._desk)
         self._add_view(gui)
@@ -117,6 +119,8 @@ class Page:
     def _choose_look(self, palette: Palette) -> None:
         self._palette = palette
         self._dress()
+        for chart in self._charts:
+            chart.dress(palette)
 
     def _look_at(self, how: str, event: Any) -> None:
         self._look(how, event.client)
@@ -188,9 +192,9 @@ class Page:
                 self._history.add(state, views, solves(seen))
                 self._recording.add(state, views, seen.statuses)
                 self._scene.draw(seen, views, self._history)
-            now = monotonic()
-            if now - self._panel_at >= PANEL_INTERVAL:
-                self._panel_at = now
+            now, news = monotonic(), self._news(seen)
+            if now - self._panel_at >= PANEL_INTERVAL or news != self._told:
+                self._panel_at, self._told = now, news
                 self._draw_panels(seen, views)
             elif now - self._plot_at >= PLOT_INTERVAL:
                 self._plot_at = now
@@ -200,6 +204,14 @@ class Page:
         if state is not None and seen.scenario is not None and len(seen.poses) == seen.scenario.size:
             self._cameras.update(seen.scenario, seen.poses)
         return len(seen.poses)
+
+    def _news(self, seen: Seen) -> tuple[object, ...]:
+        """What people see at once when it changes; the rest is drawn some times a second."""
+        state, about = seen.state, (seen.here, seen.connected, self._faults.target, self._scene.focus)
+        if state is None:
+            return about
+        newest = state.events[-1].number if state.events else 0
+        return (*about, state.epoch, state.revision, state.status, state.speed, newest, *state.dismissed, *state.live)
 
     def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
         self._run.draw(seen, views, self._history)

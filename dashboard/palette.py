@@ -38,6 +38,12 @@ class Palette:
     section: str
     """Fine and coarse lines of the ground."""
 
+    def named(self) -> dict[str, str]:
+        """The colours that HTML and plots use, by the name of their style sheet variable: ok, r1, ..."""
+        hues = {f"r{i}": hue for i, hue in enumerate(self.identity, start=1)}
+        names = ("ok", "warn", "bad", "muted", "crowd", "ghost")
+        return {**{name: getattr(self, name) for name in names}, **hues}
+
 
 DARK = Palette(
     dark=True,
@@ -77,27 +83,6 @@ LIGHT = Palette(
     cell="cfd4db",
     section="b9c1cc",
 )
-
-
-def style() -> str:
-    """A style sheet with both looks' colours for HTML: var(--ok), var(--warn), var(--bad), var(--muted), ...
-
-    It also gives the light look a background that the renderer's tone curve can reach, so that lines fade into it.
-    """
-    rules = "".join(
-        f':root[data-mantine-color-scheme="{"dark" if palette.dark else "light"}"]{{{_variables(palette)}}}'
-        for palette in (DARK, LIGHT)
-    )
-    canvas = f':root[data-mantine-color-scheme="light"] canvas[data-engine]{{background:#{LIGHT.background}}}'
-    press = "[data-tap]{cursor:pointer;user-select:none}[data-tap]:hover{filter:brightness(1.15)}"
-    return f"<style>{rules}{canvas}{press}</style>"
-
-
-def _variables(palette: Palette) -> str:
-    named = {"ok": palette.ok, "warn": palette.warn, "bad": palette.bad, "muted": palette.muted, "crowd": palette.crowd}
-    named["ghost"] = palette.ghost
-    hues = {f"r{i}": hue for i, hue in enumerate(palette.identity, start=1)}
-    return "".join(f"--{name}:#{colour};" for name, colour in {**named, **hues}.items())
 
 
 def hue(robot: int, robots: int) -> str:

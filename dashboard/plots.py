@@ -13,12 +13,13 @@ import viser.uplot as up
 from dashboard.controls import assign
 from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS
+from dashboard.palette import DARK, Palette
 from dashboard.summary import TRACKING_LIMIT
 from dashboard.words import plot_title
 from formation.arrays import FloatArray
 
-SKY, VIOLET, PINK, CYAN, BLUE, MEAN = "#56b4e9", "#b284ff", "#ff79c6", "#40d6d6", "#7f9cff", "#8b94a5"
-GHOST = "#aab2c0"
+SKY, VIOLET, PINK, CYAN, BLUE, MEAN, GHOST = "r1", "r2", "r3", "r4", "r6", "muted", "ghost"
+"""Names of colours that each look has its own of."""
 LIMIT, EVENT, INVISIBLE = "rgba(240,72,92,.55)", "rgba(247,184,62,.5)", "transparent"
 NEAR_LIMIT = 0.4
 """The limit line is drawn once the values come near it; before, it would only flatten them."""
@@ -33,6 +34,7 @@ class Line:
     """Of the history."""
     text: str
     colour: str
+    """A name of dashboard.palette, or one of CSS."""
     dash: tuple[float, float] | None = None
 
     @property
@@ -106,10 +108,10 @@ class Chart:
         self._title: Any = gui.add_html("")
         # Behind the plot's own lines: its limit, the least that its axis shows, and a spike where something happened.
         extra = (Line("", "limit", LIMIT, (5.0, 5.0)), Line("", "floor", INVISIBLE), Line("", "event", EVENT))
-        lines = (*plot.lines, *extra)
+        self._lines = lines = (*plot.lines, *extra)
         self._handle: Any = gui.add_uplot(
             tuple(np.zeros(2) for _ in range(len(lines) + 1)),
-            (up.Series(label="t"), *(_series(line) for line in lines)),
+            _series(lines, DARK),
             height=HEIGHT,
             scales={"x": up.Scale(time=False, auto=True), "y": up.Scale(range=(0, None))},
             axes=(_AXIS, up.Axis(**{**_AXIS, "size": 46})),
@@ -117,6 +119,10 @@ class Chart:
             cursor=up.Cursor(show=False),
             padding=(8, 10, 0, 0),
         )
+
+    def dress(self, palette: Palette) -> None:
+        """Draw in another look from now on."""
+        self._handle.series = _series(self._lines, palette)
 
     def draw(self, series: dict[str, FloatArray], *, ghost: bool) -> None:
         """Show the columns of the history.
@@ -126,7 +132,11 @@ class Chart:
             ghost: whether people compare.
         """
         plot = self._plot
-        marks = tuple((line.colour, line.text, line.dash is not None) for line in plot.lines if ghost or not line.ghost)
+        marks = tuple(
+            (f"var(--{line.colour})", line.text, line.dash is not None)
+            for line in plot.lines
+            if ghost or not line.ghost
+        )
         assign(self._title, "content", plot_title(plot.name, plot.unit, marks))
         values = [np.minimum(series[line.column], plot.cap) for line in plot.lines]
         top = max(np.nanmax(value, initial=plot.floor) for value in values)
@@ -138,8 +148,13 @@ class Chart:
         self._handle.data = (series["t"], *values, *flat, np.where(series["event"] > 0.0, max(top, limit), hidden))
 
 
-def _series(line: Line) -> up.Series:
-    look = up.Series(label=line.text, stroke=line.colour, width=1.6 if line.column else 1.0, points={"show": False})
-    if line.dash is not None:
-        look["dash"] = line.dash
-    return look
+def _series(lines: tuple[Line, ...], palette: Palette) -> tuple[up.Series, ...]:
+    """How uPlot draws the time and these lines."""
+    named, found = palette.named(), [up.Series(label="t")]
+    for line in lines:
+        colour = f"#{named[line.colour]}" if line.colour in named else line.colour
+        look = up.Series(label=line.text, stroke=colour, width=1.6 if line.column else 1.0, points={"show": False})
+        if line.dash is not None:
+            look["dash"] = line.dash
+        found.append(look)
+    return tuple(found)

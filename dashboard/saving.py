@@ -54,7 +54,7 @@ class Saving:
                 self._mishaps.note()
                 made = None
             if made is None:
-                self._tell(client.client_id, "Nothing to take away", "No flight was kept yet, or its view cannot be had.")
+                self._tell(client.client_id, "Nothing to take away", "No flight was kept yet, or it has no view.")
             else:
                 client.send_file_download(*made, save_immediately=True)
 

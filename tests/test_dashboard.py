@@ -1,1 +1,479 @@
 """Laws of what the dashboard shows, without a browser."""
+
+import logging
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from queue import SimpleQueue
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashboard import colours, faults, geometry, server, tables, words
+from dashboard.access import Guard
+from dashboard.desk import Desk
+from dashboard.feed import Feed
+from dashboard.history import History
+from dashboard.layers import held_plans, outline_colours
+from dashboard.links import LOST_SECONDS, LinkView, links
+from dashboard.page import Page
+from dashboard.palette import DARK, LIGHT
+from dashboard.plans import KEPT_BYTES, PLAN_BYTES, PlanLog
+from dashboard.series import POINTS
+from dashboard.server import serve
+from formation import unicycle
+from formation.errors import WireError
+from formation.faults import links_named
+from formation.scenario import load
+from network import keys
+from network.codec import encode, seal
+from network.control import Operation, Pause, SetFault
+from network.messages import Event, LinkCounts, Plan, Reply, Setup, State, Status
+from network.session import Incoming, Router, Sample, Session, Wake
+
+ROOT = Path(__file__).parents[1]
+
+
+def plan(sender: int, seq: int, epoch: int = 0) -> Plan:
+    return Plan(sender, seq, 0.01 * seq, epoch, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
+
+
+def status(sender: int, upstream: int, *, belief: int = -1, age: float = 0.0, stamp: float = 1.0) -> Status:
+    return Status(
+        sender=sender,
+        seq=100,
+        stamp=stamp,
+        epoch=0,
+        link=f"{upstream}->{sender}",
+        age=age,
+        belief=belief,
+        counts=LinkCounts(),
+        solve=0.0,
+        missed=0,
+        gap=0.0,
+        rejected=0,
+        pid=1,
+    )
+
+
+def state(
+    robots: int = 3, *, stamp: float = 1.0, epoch: int = 0, events: tuple[Event, ...] = (), **changes: object
+) -> State:
+    fields: dict[str, object] = {
+        "sender": 0,
+        "seq": 1,
+        "stamp": stamp,
+        "epoch": epoch,
+        "revision": 0,
+        "scenario": "triangle-circle",
+        "controller": "nash",
+        "mode": "lockstep",
+        "status": "running",
+        "waiting_for": [],
+        "dismissed": [],
+        "speed": 1.0,
+        "pace": 1.0,
+        "overruns": 0,
+        "rejected": 0,
+        "poses": np.zeros((robots, 3)),
+        "slots": np.zeros((robots, 3)),
+        "centre": np.zeros(3),
+        "distance_errors": np.full(robots, 0.001),
+        "angle_errors": np.zeros(robots),
+        "tracking_error": 0.0,
+        "live": list(range(1, robots + 1)),
+        "stopped": [],
+        "faults": {},
+        "events": list(events),
+        "compare": "",
+    }
+    return State(**{**fields, **changes})  # type: ignore[arg-type]
+
+
+@given(
+    st.lists(st.tuples(st.floats(-0.5, 0.5), st.floats(-2.0, 2.0)), min_size=1, max_size=20),
+    st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-3.0, 3.0)),
+)
+def test_a_plan_is_drawn_where_the_plant_would_go(
+    inputs: list[tuple[float, float]], start: tuple[float, float, float]
+) -> None:
+    drawn = geometry.roll_out(np.array([start]), np.array([inputs]), 0.1)[0]
+    pose = start
+    for step, (v, omega) in enumerate(inputs, start=1):
+        pose = unicycle.step(*pose, v, omega, 0.1)
+        np.testing.assert_allclose(drawn[step], pose[:2], atol=1e-12)
+
+
+def test_colours_come_out_of_the_tone_curve_as_they_were_asked_for() -> None:
+    dark, light = ((p.ok, p.warn, p.bad, p.slot, p.background, p.identity[0]) for p in (DARK, LIGHT))
+    for text in (*dark, *light, *LIGHT.identity):
+        linear = colours.encode(colours.rgb(text)) / 255.0
+        curve = (linear / 0.6) @ colours._INPUT.T
+        curve = (curve * (curve + 0.0245786) - 0.000090537) / (curve * (0.983729 * curve + 0.4329510) + 0.238081)
+        screen = np.clip(curve @ colours._OUTPUT.T, 0.0, 1.0)
+        shown = np.where(screen <= 0.0031308, 12.92 * screen, 1.055 * screen ** (1 / 2.4) - 0.055)
+        # The hue: a colour too bright for the curve comes out darker, one too pure a little paler.
+        assert np.abs(shown - colours.rgb(text)).max() < 0.1, text
+        if text in (DARK.background, LIGHT.background):
+            assert np.abs(shown - colours.rgb(text)).max() < 0.005, "lines fade into it"
+
+
+def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
+    for robots in (2, 3, 16):
+        for target in faults.targets(robots):
+            for link in faults._links_of(target, robots):
+                assert links_named(link, robots)
+
+
+def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
+    table = {"1->2": {"latency": 0.3}, "2->3": {"latency": 0.1, "cut": True}}
+    assert faults.worst(table, ("1->2",), 3)["latency"] == 0.3
+    assert not faults.worst(table, ("1->2",), 3)["cut"]
+    every = faults.worst(table, ("all",), 3)
+    assert (every["latency"], every["cut"]) == (0.3, True)
+
+
+@given(st.integers(1, 3), st.lists(st.booleans(), min_size=30, max_size=60))
+def test_a_plan_is_found_by_its_number(step: int, arrived: list[bool]) -> None:
+    log = PlanLog(1, 3)
+    kept = [step * i for i, here in enumerate(arrived) if here]
+    for seq in kept:
+        log.add(encode(plan(1, seq)))
+    for seq in kept[-5:]:
+        found = log.numbered(seq, 0)
+        assert found is None or found.seq == seq
+    if all(arrived):
+        assert all(log.numbered(seq, 0) is not None for seq in kept)
+    assert log.numbered(10_000, 0) is None
+    assert log.numbered(kept[-1] if kept else 0, 1) is None
+
+
+def test_garbage_among_plans_is_passed_over() -> None:
+    rejected: list[WireError] = []
+    log = PlanLog(1, 3, rejected.append)
+    for damaged in (b"garbage", b"", encode(plan(1, 1))[:-1], seal(bytes(PLAN_BYTES))):
+        with pytest.raises(WireError):
+            log.add(damaged)
+    log.add(encode(plan(2, 1)))
+    assert log.newest() is None
+    for seq in (2, 3):
+        log.add(encode(plan(1, seq)))
+        for _ in range(20):
+            log.add(seal(b"whole, but not a plan"))
+    found = log.newest()
+    assert found is not None
+    assert found.seq == 3
+    held = log.numbered(2, 0)
+    assert held is not None
+    assert held.seq == 2
+    assert len(rejected) == 41, "each is told once"
+
+
+def test_the_largest_plan_there_can_be_is_kept() -> None:
+    log = PlanLog(64, 64)
+    largest = 2**62
+    log.add(encode(Plan(64, largest, 1e300, largest, np.full(3, 0.1), 0.1, np.full((100, 2), 0.1))))
+    assert log.newest() is not None
+
+
+def test_the_memory_for_plans_is_bounded_in_bytes() -> None:
+    log = PlanLog(1, 64)
+    payload = seal(bytes(PLAN_BYTES - 4))
+    for _ in range(200):
+        log.add(payload)
+    assert sum(entry.size for entry in log._entries) <= KEPT_BYTES // 64
+
+
+def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None:
+    logs = {i: PlanLog(i, 3) for i in (1, 2, 3)}
+    for seq in range(50):
+        for i, log in logs.items():
+            log.add(encode(plan(i, seq)))
+    held = held_plans(logs, {2: status(2, 1, belief=7), 1: status(1, 3, belief=49)}, 3, 0)
+    assert [None if p is None else (p.sender, p.seq) for p in held] == [(1, 7), None, (3, 49)]
+
+
+def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
+    now = state(stamp=1.0, faults={"1->2": {"cut": True}})
+    said = {2: status(2, 1, age=0.1), 3: status(3, 2, age=LOST_SECONDS + 0.1), 1: status(1, 3, age=0.01)}
+    assert [view.word for view in links(now, said)] == ["CUT", "LOST", "OK"]
+    assert [view.lost for view in links(state(stamp=3.0), said)] == [True, True, True]
+    assert [view.age for view in links(state(epoch=1), said)] == [None, None, None]
+
+
+def test_history_begins_anew_with_a_flight_and_never_outgrows_the_plots() -> None:
+    history = History()
+    for tick in range(2 * POINTS):
+        history.add(state(stamp=0.1 * tick), [])
+    assert len(history.series()["t"]) == POINTS
+    history.add(state(stamp=0.0, epoch=1), [])
+    history.add(state(stamp=0.1, epoch=1), [])
+    assert list(history.series()["t"]) == [0.0, 0.1]
+
+
+def test_an_event_marks_its_time_once() -> None:
+    history = History()
+    history.add(state(stamp=1.0), [])
+    event = Event(5, 1.15, "fault", "1->2: cut")
+    for stamp in (1.2, 1.3, 1.4):
+        history.add(state(stamp=stamp, events=(event,)), [])
+    assert history.series()["event"].sum() == 1.0
+
+
+def test_strings_from_elsewhere_are_escaped() -> None:
+    evil = "<img src=x onerror=alert(1)>"
+    said = state(events=(Event(1, 0.0, "fault", evil),), faults={evil: {"distribution": evil}})
+    for html in (tables.log(said), tables.in_force(said), words.remark(evil)):
+        assert "<img" not in html
+
+
+def test_a_link_view_says_how_much_is_lost() -> None:
+    assert LinkView(1, 2, 0.0, {}, LinkCounts(sent=10, lost=3)).loss == 0.3
+    assert LinkView(1, 2, 0.0, {}, LinkCounts()).loss == 0.0
+
+
+@pytest.mark.parametrize("port", ["-1", "65536", "http", ""])
+def test_a_wrong_port_is_a_mistake_of_the_users(port: str) -> None:
+    command = [sys.executable, "-m", "dashboard", "--run", "x", "--connect", "unixsock-stream/x", f"--port={port}"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert "expected a port from 0 to 65535" in done.stderr
+
+
+class _World:
+    """Answers as a world does."""
+
+    def __init__(self, reply: Reply | None, *, connected: bool = True) -> None:
+        self.reply, self.connected, self.asked = reply, connected, list[Operation]()
+
+    def ask(self, operation: Operation) -> Reply | None:
+        self.asked.append(operation)
+        return self.reply
+
+
+class _Feed:
+    def learn(self) -> None:
+        pass
+
+
+def _desk(world: _World | Session, told: list[str]) -> Desk:
+    desk = Desk(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+    desk.start()
+    return desk
+
+
+def _wait(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + 20.0
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_refusal_is_told_to_the_page_that_asked() -> None:
+    told: list[str] = []
+    desk = _desk(_World(Reply(False, "latency: too long")), told)
+    desk.ask(Pause(), 3)
+    _wait(lambda: told == ["3 Not done: latency: too long"])
+    desk.stop()
+
+
+def test_silence_is_told_too() -> None:
+    told: list[str] = []
+    desk = _desk(_World(None), told)
+    desk.ask(Pause(), 3)
+    _wait(lambda: len(told) == 1 and "No answer: The world did not answer" in told[0])
+    desk.stop()
+
+
+def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
+    endpoint = f"unixsock-stream/{tmp_path}/router"
+    router = Router(endpoint)
+    told: list[str] = []
+    with Session(endpoint, "x") as session:
+        router.close()
+        _wait(lambda: not session.connected)
+        desk = _desk(session, told)
+        desk.ask(Pause(), 3)
+        _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
+        desk.stop()
+
+
+def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureFixture) -> None:
+    class Broken(_World):
+        def ask(self, operation: Operation) -> Reply | None:
+            super().ask(operation)
+            raise RuntimeError
+
+    told: list[str] = []
+    desk = _desk(Broken(None), told)
+    desk.ask(Pause(), 3)
+    desk.ask(Pause(), None)
+    _wait(lambda: len(told) == 2)
+    desk.stop()
+    assert told == [f"{page} The world could not be asked: RuntimeError" for page in (3, None)]
+    assert len(caplog.records) == 1
+
+
+def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
+    world = _World(Reply(True))
+    desk = _desk(world, [])
+    for loss in (0.1, 0.2, 0.3):
+        desk.change(("1->2", "2->3"), {"loss": loss}, None, 1)
+    desk.ask(Pause(), 1)
+    _wait(lambda: len(world.asked) == 3)
+    desk.stop()
+    assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
+    assert world.asked[2] == Pause()
+
+
+class _Line:
+    """A session on which a test says what comes in."""
+
+    run, connected = "x", True
+
+    def __init__(self) -> None:
+        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
+        self.kept: list[Sample] = []
+
+    def keep(self, key: str, depth: int) -> "_Line":
+        return self
+
+    def take(self) -> Iterator[Sample]:
+        while self.kept:
+            yield self.kept.pop(0)
+
+    def subscribe(self, key: str) -> None:
+        pass
+
+    def watch(self) -> None:
+        pass
+
+    def appear(self, role: str) -> None:
+        pass
+
+    def wake(self) -> None:
+        self.inbox.put(Wake())
+
+    def setup(self) -> Setup:
+        return Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+
+
+def _take(feed: Feed, key: str, payload: bytes) -> bool:
+    """Whether it was taken, not rejected."""
+    before = feed._rejects.count
+    try:
+        feed._take(Sample(key, payload))
+    except WireError as error:
+        feed._rejects.add(key, error)
+    return feed._rejects.count == before
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"stopped": [64]},
+        {"live": [0]},
+        {"waiting_for": [4]},
+        {"dismissed": [4]},
+        {"slots": np.zeros((2, 3))},
+        {"faults": {"1->2": {"loss": "x"}}},
+        {"faults": {"1->2": {"loss": 1.5}}},
+        {"faults": {"1->2": {"cut": [[]]}}},
+        {"faults": {"1->2": {"speed": 1.0}}},
+    ],
+)
+def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
+    feed = Feed(_Line())  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state()))
+    assert not _take(feed, keys.state("x"), encode(state(stamp=2.0, **changes)))
+    said = feed.seen().state
+    assert said is not None
+    assert said.stamp == 1.0
+
+
+def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
+    feed = Feed(_Line())  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
+    said = feed.seen().state
+    assert said is not None
+    assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
+
+
+def test_damaged_plans_are_counted() -> None:
+    line = _Line()
+    feed = Feed(line)  # type: ignore[arg-type]
+    assert _take(feed, keys.state("x"), encode(state()))
+    feed.learn()
+    for payload in (encode(plan(1, 5)), b"garbage", seal(b"whole, but not a plan")):
+        line.kept.append(Sample(keys.plan("x", 1), payload))
+    found = feed.seen().plans[1].newest()
+    assert found is not None
+    assert found.seq == 5
+    assert feed._rejects.count == 2
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    """A page of three robots that nobody looks at."""
+    served = serve(Guard("127.0.0.1"), 0, "x")
+    made = Page(served, _Line())  # type: ignore[arg-type]
+    assert _take(made._feed, keys.state("x"), encode(state()))
+    made._feed.learn()
+    assert made._frame() == 3
+    yield made
+    server.stop(served)
+
+
+@pytest.mark.parametrize("choice", ["Robot ", "Robot x", "Robot -5: from and to", "", "9 → 1"])
+def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, choice: str) -> None:
+    panel = page._faults
+    panel._target.value = choice
+    assert list(panel.target) == []
+    assert faults.worst({"1->2": {"loss": 1.0}}, panel.target, 3)["loss"] == 0.0
+    panel.draw(state())
+    assert list(panel.target) == ["all"]
+
+
+@pytest.mark.parametrize("choice", ["Robot -5", "Robot 4", "Robot", ""])
+def test_a_robot_that_is_not_offered_is_not_followed(page: Page, choice: str) -> None:
+    client: Any = SimpleNamespace(client_id=1)
+    page._focus_chosen(SimpleNamespace(client=client, target=SimpleNamespace(value=choice)))  # type: ignore[arg-type]
+    for robot in (-4, 0, 4):
+        page._focus_on(client, robot)
+    assert page._scene.focus is None
+    page._focus_on(client, 3)
+    assert page._scene.focus == 3
+    nobody = outline_colours(3, set(), set(), None, DARK)
+    for focus in (-4, 0, 4):
+        np.testing.assert_array_equal(outline_colours(3, set(), set(), focus, DARK), nobody)
+
+
+def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
+    page: Page, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    drawn: list[int] = []
+
+    def frame() -> int:
+        drawn.append(len(drawn))
+        if len(drawn) <= 3:
+            raise IndexError("odd value")
+        return 3
+
+    monkeypatch.setattr(page, "_frame", frame)
+
+    class _Lifetime:
+        @property
+        def over(self) -> bool:
+            return len(drawn) >= 6
+
+    page.serve(_Lifetime())  # type: ignore[arg-type]
+    assert len(drawn) == 6
+    errors = [record for record in caplog.records if record.levelno == logging.ERROR]
+    assert len(errors) == 1, "once a second"
+    assert "drawing a frame" in errors[0].getMessage()

@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from dataclasses import dataclass, field
 from time import monotonic
+from typing import Any
 
 import numpy as np
 import viser
@@ -24,6 +25,8 @@ WIDE_METRES = 4.0
 MARGIN = 1.12
 HANDS_OFF_SECONDS = 0.4
 """A following view rests so long after a person moved it, then goes on from there."""
+TRIES = 4
+"""To agree with a page that speaks at the same moment."""
 ASPECT = 1.1
 """Width by height of the free part of the page, until the page has said."""
 
@@ -152,11 +155,16 @@ class Cameras:
 
     def _move(self, view: _View, look_at: FloatArray, offset: FloatArray) -> None:
         view.offset, view.set_at = offset, monotonic()
+        if view.ours and np.array_equal(view.ours[-1][1], offset):
+            view.ours.pop()
         view.ours.append((look_at, offset))
         with view.client.atomic():
             camera = view.client.camera
-            camera.position = look_at + offset
-            camera.look_at = look_at
+            for _ in range(TRIES):
+                camera.position = look_at + offset
+                camera.look_at = look_at
+                if np.allclose(camera.position, look_at + offset):  # else the page's own word came in between
+                    break
             if abs(camera.fov - FOV) > 1e-6:
                 camera.fov = FOV
 
@@ -189,12 +197,21 @@ class Cameras:
         @client.camera.on_update
         def _(camera: viser.CameraHandle) -> None:
             with self._lock:
-                look_at = np.array(camera.look_at)
-                _note_hand(view, look_at, np.array(camera.position) - look_at)
+                position, look_at = _pose(camera)
+                _note_hand(view, look_at, position - look_at)
 
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._views.pop(client.client_id, None)
+
+
+def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
+    """Position and point that is looked at, both of the same word of the page's: another may come in between [m]."""
+    for _ in range(TRIES):
+        position, look_at = np.array(camera.position), np.array(camera.look_at)
+        if np.array_equal(position, camera.position):
+            break
+    return position, look_at
 
 
 def _note_hand(view: _View, look_at: FloatArray, offset: FloatArray) -> None:
@@ -203,7 +220,7 @@ def _note_hand(view: _View, look_at: FloatArray, offset: FloatArray) -> None:
     if view.target is None:
         if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in view.ours):
             view.fit_at = []
-    elif np.linalg.norm(offset - view.offset) > near and monotonic() - view.set_at < 10.0:
+    elif all(np.linalg.norm(offset - to) > near for _, to in view.ours) and monotonic() - view.set_at < 10.0:
         view.offset = offset
         view.rest_until = monotonic() + HANDS_OFF_SECONDS
 

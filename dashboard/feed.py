@@ -27,12 +27,12 @@ from network import keys
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.rejects import Rejects
-from network.session import Presence, Sample, Session
+from network.session import Kept, Presence, Sample, Session
 
 SILENCE_SECONDS = 1.5
 """The world says its state twenty times a second; silent for so long, it is gone."""
-WAITING_PLANS = 4096
-"""Plans of all robots that wait to be looked at: 64 robots say so many in two thirds of a second."""
+WAITING_PLANS = 128
+"""Plans of a robot that wait to be looked at, at every frame: more than a second's at 100 Hz."""
 WAITING_GHOSTS = 1000
 """Ghosts that wait: one that catches up says 450 in a row."""
 LEARN_INTERVAL = 0.25
@@ -81,7 +81,7 @@ class Feed:
         session.subscribe(keys.state(run))
         session.subscribe(keys.status(run, "*"))
         session.subscribe(keys.ghost(run))
-        self._sent_plans = session.keep(keys.plan(run, "*"), WAITING_PLANS)
+        self._waiting: dict[int, Kept] = {}
         session.watch()
         session.appear("dashboard")
 
@@ -100,10 +100,10 @@ class Feed:
         now = monotonic()
         with self._lock:
             states, statuses, plans = self._states, dict(self._statuses), dict(self._plans)
-            scenario = self._scenario
+            scenario, waiting = self._scenario, dict(self._waiting)
         ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
-        for sample in self._sent_plans.take():
-            self._take_plan(plans, sample)
+        for robot, log in plans.items():
+            self._take_plans(robot, log, waiting[robot])
         poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
         fits = state is not None and scenario is not None and scenario[0] == state.epoch
@@ -139,7 +139,10 @@ class Feed:
         except (EchelonError, ValueError) as error:
             self._rejects.add("setup", error)
             return
+        run, new = self._session.run, set(range(1, scenario.size + 1)) - self._waiting.keys()
+        subscribed = {robot: self._session.keep(keys.plan(run, robot), WAITING_PLANS) for robot in sorted(new)}
         with self._lock:
+            self._waiting |= subscribed
             if known is None or known[0] != setup.epoch:
                 self._plans = {i: self._log(i, scenario.size) for i in range(1, scenario.size + 1)}
             self._scenario = (setup.epoch, setup.revision, scenario)
@@ -181,13 +184,12 @@ class Feed:
             with self._lock:
                 self._states = (*self._states[-1:], (monotonic(), state))
 
-    def _take_plan(self, plans: Mapping[int, PlanLog], sample: Sample) -> None:
-        log = plans.get(keys.robot_of(sample.key) or 0)
-        if log is not None:
+    def _take_plans(self, robot: int, log: PlanLog, waiting: Kept) -> None:
+        for payload in waiting.take():
             try:
-                log.add(sample.payload)
+                log.add(payload)
             except WireError as error:
-                self._rejects.add(sample.key, error)
+                self._rejects.add(keys.plan(self._session.run, robot), error)
 
 
 def _checked(state: State) -> State:

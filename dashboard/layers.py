@@ -69,17 +69,13 @@ class Arrows:
 
     shafts: FloatArray
     """(n DASHES, 2, 3) [m]."""
-    shaft_colours: colours.Bytes
-    """(n DASHES, 2, 3), encoded."""
     tips: FloatArray
     """(n, 3) [m]."""
     directions: FloatArray
     """(n,) [rad]."""
-    head_colours: colours.Bytes
-    """(n, 3), encoded."""
 
 
-def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int, palette: Palette) -> Arrows:
+def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
     """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
     start, end = poses[:, :2], np.roll(poses[:, :2], -1, axis=0)
     gap = end - start
@@ -96,15 +92,18 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int, p
     a = start[:, None] + (shaft_end - start)[:, None] * steps / DASHES
     b = start[:, None] + (shaft_end - start)[:, None] * (steps + share[:, None, None]) / DASHES
     shafts = np.stack([a, b], axis=2).reshape(-1, 2, 2)
-    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
     z = sizes.z(layer)
     return Arrows(
         shafts=geometry.lifted(shafts, z),
-        shaft_colours=np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1),
         tips=geometry.lifted(end, z + 0.2 * sizes.z(1)),
         directions=np.arctan2(along[:, 1], along[:, 0]),
-        head_colours=colour,
     )
+
+
+def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
+    """Of the shafts (n DASHES, 2, 3) and of the heads (n, 3), encoded."""
+    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
+    return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
 
 
 def horizons(plans: list[Plan | None], poses: FloatArray, steps: int) -> FloatArray:

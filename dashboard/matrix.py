@@ -2,8 +2,6 @@
 
 from collections.abc import Collection
 
-import numpy as np
-
 from dashboard import colours
 from dashboard.feed import Seen
 from dashboard.links import LinkView
@@ -82,7 +80,7 @@ def _cell(view: LinkView | None) -> str:
     if view is None:
         return "background:rgba(128,140,160,.07);height:20px"
     known = view.age is not None or view.cut
-    colour = colours.css(colours.health(np.array(view.level))) if known else f"#{DARK.muted}"
+    colour = colours.css_health(view.level) if known else f"#{DARK.muted}"
     text = "color:#10151a;font-weight:700;text-align:center;white-space:nowrap;overflow:hidden"
     return f"background:{colour};{text};height:20px"
 

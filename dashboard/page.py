@@ -58,6 +58,7 @@ class Page:
         self._panel_at = self._plot_at = 0.0
         self._told: tuple[object, ...] = ()
         self._palette = DARK
+        self._turn = 0
         self._dress()
         gui = server.gui
         gui.add_html(sheet())
@@ -194,8 +195,8 @@ class Page:
                 self._scene.draw(seen, views, self._history)
             now, news = monotonic(), self._news(seen)
             if now - self._panel_at >= PANEL_INTERVAL or news != self._told:
+                self._draw_panels(seen, views, whole=news != self._told)
                 self._panel_at, self._told = now, news
-                self._draw_panels(seen, views)
             elif now - self._plot_at >= PLOT_INTERVAL:
                 self._plot_at = now
                 series = self._history.series()
@@ -211,15 +212,28 @@ class Page:
         if state is None:
             return about
         newest = state.events[-1].number if state.events else 0
-        return (*about, state.epoch, state.revision, state.status, state.speed, newest, *state.dismissed, *state.live)
+        return (
+            *about,
+            state.epoch,
+            state.revision,
+            state.status,
+            state.speed,
+            state.compare,
+            newest,
+            *state.dismissed,
+            *state.live,
+        )
 
-    def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
+    def _draw_panels(self, seen: Seen, views: list[LinkView], *, whole: bool) -> None:
         self._run.draw(seen, views, self._history)
         n = len(seen.poses)
         self._taps.offer({"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {})
         self._matrix.content = matrix(seen, views, self._taps, self._faults.target)
-        self._robots.content = tables.robots(seen, views, self._taps)
-        self._log.content = tables.log(seen.state)
+        self._turn += 1
+        if whole or self._turn % 2:  # the other tabs take turns: they are read rather than watched
+            self._robots.content = tables.robots(seen, views, self._taps)
+        if whole or not self._turn % 2:
+            self._log.content = tables.log(seen.state)
         if seen.state is not None:
             self._faults.draw(seen.state)
             self._lives.draw(seen.state)

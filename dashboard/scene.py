@@ -131,17 +131,16 @@ class Scene:
         strokes = self._strokes + poses[self._stroke_owner, None, :2]
         drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
         drawn["/edges"].points = layers.edges(poses, sizes.z(6))
-        arrows = layers.arrows(poses, links, sizes, 7, self._palette)
+        arrows = layers.arrows(poses, links, sizes, 7)
         drawn["/links"].points = arrows.shafts
-        drawn["/links"].colors = arrows.shaft_colours
         drawn["/heads"].batched_positions = arrows.tips
         drawn["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
-        drawn["/heads"].batched_colors = arrows.head_colours
 
     def _recolour(self, state: State, links: list[LinkView]) -> None:
         """What changes with every state."""
         drawn, n = self._nodes, len(state.poses)
         drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
+        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, self._palette)
         drawn["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
         drawn["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)

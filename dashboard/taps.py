@@ -21,6 +21,7 @@ class Taps:
     def __init__(self, gui: viser.GuiApi, on_tap: OnTap) -> None:
         """Stand in the current container of the page, without taking room there."""
         self._on_tap = on_tap
+        self._places: dict[str, int] = {}
         self._group: Any = gui.add_button_group(NOTHING, (NOTHING,))
         label = f"label[for='{self._group._impl.uuid}']"
         gui.add_html(f"<style>:has(> * > * > * > {label}){{display:none}}</style>")
@@ -36,6 +37,7 @@ class Taps:
         options = tuple(f"{verb} {number}" for verb, top in verbs.items() for number in range(top + 1)) or (NOTHING,)
         if self._group.options != options:
             self._group.options = options
+            self._places = {name: place for place, name in enumerate(options)}
 
     def around(self, content: str) -> str:
         """HTML in which elements with `tap` can be pressed. At once, not on release: tables are replaced meanwhile."""
@@ -44,9 +46,9 @@ class Taps:
     def tap(self, verb: str, number: int) -> str:
         """Attributes of an element that can be pressed."""
         name = f"{verb} {number}"
-        if name not in self._group.options:
+        if name not in self._places:
             return ""
-        return f'data-tap="{self._group.options.index(name)}" role="button" aria-label="{name}"'
+        return f'data-tap="{self._places[name]}" role="button" aria-label="{name}"'
 
     def _pressed(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is None or event.target.value not in self._group.options:  # a page may send anything

@@ -127,7 +127,7 @@ class Session:
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
     def keep(self, key: str, depth: int) -> "Kept":
-        """Samples on this key expression are kept outside the inbox from now on, the newest `depth` of them."""
+        """Payloads on this key are kept outside the inbox from now on, the newest `depth` of them."""
         return Kept(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
 
     def unsubscribe(self, key: str) -> None:
@@ -226,15 +226,15 @@ class Session:
 
 
 class Kept:
-    """Samples that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
+    """Payloads that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber
 
-    def take(self) -> Iterator[Sample]:
+    def take(self) -> Iterator[bytes]:
         """Everything that has come in since the last look, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
-            yield Sample(str(sample.key_expr), sample.payload.to_bytes())
+            yield sample.payload.to_bytes()
 
 
 class Router:

@@ -339,14 +339,11 @@ class _Line:
 
     def __init__(self) -> None:
         self.inbox: SimpleQueue[Incoming] = SimpleQueue()
-        self.kept: list[Sample] = []
+        self.kept: dict[str, list[bytes]] = {}
 
-    def keep(self, key: str, depth: int) -> "_Line":
-        return self
-
-    def take(self) -> Iterator[Sample]:
-        while self.kept:
-            yield self.kept.pop(0)
+    def keep(self, key: str, depth: int) -> Any:
+        waiting = self.kept.setdefault(key, [])
+        return SimpleNamespace(take=lambda: iter([waiting.pop(0) for _ in list(waiting)]))
 
     def subscribe(self, key: str) -> None:
         pass
@@ -411,7 +408,7 @@ def test_damaged_plans_are_counted() -> None:
     assert _take(feed, keys.state("x"), encode(state()))
     feed.learn()
     for payload in (encode(plan(1, 5)), b"garbage", seal(b"whole, but not a plan")):
-        line.kept.append(Sample(keys.plan("x", 1), payload))
+        line.kept[keys.plan("x", 1)].append(payload)
     found = feed.seen().plans[1].newest()
     assert found is not None
     assert found.seq == 5

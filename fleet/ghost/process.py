@@ -53,11 +53,11 @@ class Haunt:
 
     def _turn(self) -> float:
         """Do what there is to do for a moment; returns how long to rest [s]."""
-        for sample in self._states.take():
+        for payload in self._states.take():
             try:
-                self._state = decode(State, sample.payload)
+                self._state = decode(State, payload)
             except WireError as error:
-                self._rejects.add(sample.key, error)
+                self._rejects.add("state", error)
         state = self._state
         if state is None or not state.compare:
             self._shadow = None

@@ -30,15 +30,18 @@ from websockets.typing import Origin, Subprotocol
 
 from fleet.compiling import ensure_compiled
 from fleet.runs import find
+from network import keys
+from network.codec import decode
 from network.control import Compare
-from network.session import Session
+from network.messages import State
+from network.session import Sample, Session
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import READY
 
 RUN = "soak"
 WARM_UP_SECONDS = 60.0
 """Caches fill, plots reach their length."""
-SAMPLES = 40
+SAMPLES = 20
 FRAME_SECONDS = 10.0
 
 
@@ -71,7 +74,10 @@ def main() -> None:
 
 def _print(figures: dict[str, Any]) -> None:
     print(f"{figures['robots']} robots, one page, {figures['minutes']:g} minutes:")
-    print(f"dashboard: {figures['cpu_percent']:.1f} % of a core (processor time)")
+    print(
+        f"dashboard: {figures['cpu_percent']:.1f} % of a core (processor time), "
+        f"while the run went at {figures['pace']:.2f} x real time"
+    )
     for name, text in (("rss", "dashboard's RSS"), ("pss", "dashboard's PSS"), ("heap", "page's heap after GC")):
         first, last, slope = (figures[f"{name}_{part}"] for part in ("first_mb", "last_mb", "slope_mb_per_hour"))
         print(f"{text}: {first:.1f} MB, at the end {last:.1f} MB; slope {slope:+.1f} MB/h")
@@ -110,13 +116,14 @@ def _measure(browser: Browser, address: str, minutes: float) -> dict[str, Any]:
     page.wait_for_timeout(1e3 * min(WARM_UP_SECONDS, 20.0 * minutes))
     tools = page.context.new_cdp_session(page)
     rows, loads = [_row(dashboard, tools)], []
-    cpu, drawn, began = _cpu(dashboard), _drawn(page), time.monotonic()
+    cpu, drawn, simulated, began = _cpu(dashboard), _drawn(page), _stamp(), time.monotonic()
     for _ in range(SAMPLES):
         page.wait_for_timeout(60e3 * minutes / SAMPLES)
         rows.append(_row(dashboard, tools))
         loads.append(os.getloadavg()[0])
     seconds = time.monotonic() - began
     figures = {"cpu_percent": 100.0 * (_cpu(dashboard) - cpu) / seconds, "load": float(np.mean(loads))}
+    figures["pace"] = (_stamp() - simulated) / seconds
     figures["frames_drawn_per_s"] = (_drawn(page) - drawn) / seconds
     figures["frames_sent_per_s"] = _sent(address)
     table = np.array(rows)
@@ -142,6 +149,16 @@ def _row(dashboard: psutil.Process, tools: CDPSession) -> tuple[float, float, fl
     heap = tools.send("Runtime.getHeapUsage")["usedSize"]
     memory = dashboard.memory_full_info()
     return time.monotonic(), memory.rss / 1e6, memory.pss / 1e6, heap / 1e6
+
+
+def _stamp() -> float:
+    """Simulated time of the run [s]."""
+    with Session(find(RUN).endpoint, RUN) as session:
+        session.subscribe(keys.state(RUN))
+        while True:
+            item = session.inbox.get(timeout=30.0)
+            if isinstance(item, Sample):
+                return decode(State, item.payload).stamp
 
 
 def _cpu(process: psutil.Process) -> float:

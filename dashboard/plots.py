@@ -13,7 +13,7 @@ import viser.uplot as up
 from dashboard.controls import assign
 from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS
-from dashboard.palette import DARK, Palette
+from dashboard.palette import DARK, LIGHT, Palette
 from dashboard.summary import TRACKING_LIMIT
 from dashboard.words import plot_title
 from formation.arrays import FloatArray
@@ -108,10 +108,16 @@ class Chart:
         self._title: Any = gui.add_html("")
         # Behind the plot's own lines: its limit, the least that its axis shows, and a spike where something happened.
         extra = (Line("", "limit", LIMIT, (5.0, 5.0)), Line("", "floor", INVISIBLE), Line("", "event", EVENT))
-        self._lines = lines = (*plot.lines, *extra)
-        self._handle: Any = gui.add_uplot(
+        lines = (*plot.lines, *extra)
+        # One plot for each look, of which one is shown: a plot that changes its colours would lose its time axis.
+        self._handles = {palette: self._add(gui, lines, palette) for palette in (DARK, LIGHT)}
+        self._handle = self._handles[DARK]
+
+    def _add(self, gui: viser.GuiApi, lines: tuple[Line, ...], palette: Palette) -> Any:
+        return gui.add_uplot(
             tuple(np.zeros(2) for _ in range(len(lines) + 1)),
-            _series(lines, DARK),
+            _series(lines, palette),
+            visible=palette is DARK,
             height=HEIGHT,
             scales={"x": up.Scale(time=False, auto=True), "y": up.Scale(range=(0, None))},
             axes=(_AXIS, up.Axis(**{**_AXIS, "size": 46})),
@@ -122,7 +128,10 @@ class Chart:
 
     def dress(self, palette: Palette) -> None:
         """Draw in another look from now on."""
-        self._handle.series = _series(self._lines, palette)
+        shown, self._handle = self._handle, self._handles[palette]
+        if self._handle is not shown:
+            self._handle.data = shown.data
+            shown.visible, self._handle.visible = False, True
 
     def draw(self, series: dict[str, FloatArray], *, ghost: bool) -> None:
         """Show the columns of the history.

@@ -2,7 +2,7 @@
 
 from dashboard.palette import DARK, LIGHT, Palette
 
-_LOST = 'div[style^="opacity: 0.5; pointer-events: none"]'
+_LOST = 'div[style*="opacity: 0.5;"][style*="pointer-events: none"]'
 """What viser dims while it has no server (DisconnectedGate of its client)."""
 _RULES = f"""
 /* lines fade into a background that the renderer's tone curve can reach */

@@ -13,9 +13,9 @@ from network.messages import State, Status
 NOTHING = "·"
 
 
-_HEADS = ("", "agent", "plan age", "solve", "missed", "error", "gap", "")
+_HEADS = ("", "agent", "age", "solve", "missed", "error", "gap", "")
 _NOTE = (
-    "plan age: of the newest plan from the robot upstream. solve: wall clock per plan. missed: ticks not answered in "
+    "age: of the newest plan from the robot upstream. solve: wall clock per plan. missed: ticks not answered in "
     "time. error: of the distance to the robot upstream. gap: what it could gain by changing its plan alone. "
     "Press a robot to follow it; kill its agent and see what the others do."
 )

@@ -61,7 +61,7 @@ def legend() -> str:
         ("border-top:3px solid var(--r1);width:28px", "own plan, two seconds ahead"),
         ("border-top:2px dashed var(--r1);width:28px", "that plan as its neighbour still believes it"),
         ("border:2px solid var(--muted);border-radius:50%;width:11px;height:11px", "where it should be"),
-        (f"background:{ramp};height:5px;width:28px;border-radius:2px", "edge: error 0…20 mm, arrow: age 0…500 ms"),
+        (f"background:{ramp};height:5px;width:28px;border-radius:2px", "edge error to 20 mm, arrow age to 500 ms"),
         ("border-top:2px dashed var(--bad);width:28px", "no plan for half a second: lost"),
         ("border:1.5px dashed var(--ghost);border-radius:50%;width:11px;height:11px", "ghost: another controller"),
     )

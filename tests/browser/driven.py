@@ -108,6 +108,18 @@ class Driven:
         return str(self.page.locator("html").get_attribute("data-mantine-color-scheme"))
 
     @property
+    def plots_are_whole(self) -> bool:
+        """Whether every plot shows all the time that it has, with more than one moment in it."""
+        return bool(
+            self.page.evaluate(
+                """() => Object.values(window.__viserTestpoints.uplots).every(({chart}) => {
+                  const t = chart.data[0], x = chart.scales.x;
+                  return t.length > 2 && Math.abs(x.min - t[0]) + Math.abs(x.max - t[t.length - 1]) < 1;
+                })"""
+            )
+        )
+
+    @property
     def lost(self) -> bool:
         """Whether the page says that its server is gone."""
         return "waits" in self.page.evaluate("getComputedStyle(document.body, '::after').content")

@@ -90,6 +90,7 @@ def test_a_light_page_is_light_all_over(page: Driven, flight: Flight) -> None:
     page.tick("Light", True)
     page.until(lambda: page.look == "light", "light panels")
     page.until(lambda: painted(page, poses, LIGHT), "robots in the light look's colours")
+    page.until(lambda: page.plots_are_whole, "plots over all the time")
     page.tick("Light", False)
     page.until(lambda: page.look == "dark" and painted(page, poses, DARK), "the dark look again")
     page.press("Fit")

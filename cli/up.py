@@ -1,6 +1,7 @@
 """`echelon up`: a live run on this machine, until Ctrl-C."""
 
 import argparse
+import errno
 import socket
 
 from cli.options import add_scenario, load, source, tell
@@ -77,7 +78,9 @@ def _port(host: str, port: int) -> int:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((host, port))
-        except (OSError, OverflowError):
+        except (OSError, OverflowError) as error:
+            if isinstance(error, socket.gaierror) or getattr(error, "errno", 0) == errno.EADDRNOTAVAIL:
+                raise EchelonError(f"--host: expected an address of this machine; got {host!r}") from None
             raise EchelonError(
                 f"--port: expected a free port of {host}; got {port}, which is taken or not allowed "
                 "(0 takes any free one)"

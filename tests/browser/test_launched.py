@@ -1,5 +1,6 @@
 """A run that `echelon up` started, on a page that wants a token: agents are killed and come back."""
 
+import functools
 import os
 import re
 import signal
@@ -12,6 +13,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from fleet.compiling import ensure_compiled
 from network import keys
 from network.codec import decode
 from network.messages import State
@@ -41,11 +43,15 @@ class Launched:
             stderr=subprocess.DEVNULL,
         )
         self.endpoint = f"unixsock-stream/{folder}/{RUN}/router.sock"
+
+    @functools.cached_property
+    def url(self) -> str:
+        """The page's address, without its token."""
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         found = re.fullmatch(rf"dashboard: (http://127\.0\.0\.1:\d+)/\?token={TOKEN}\n", line)
         assert found, f"expected the dashboard's address with its token; got {line!r}"
-        self.url = found[1]
+        return found[1]
 
     def state(self) -> State:
         """What the world says now."""
@@ -69,10 +75,13 @@ class Launched:
 
 @pytest.fixture(scope="module")
 def launched(browser: "Browser") -> Iterator[Launched]:
+    ensure_compiled(print)
     with tempfile.TemporaryDirectory(prefix="ech") as folder:
         run = Launched(folder)
-        yield run
-        run.end()
+        try:
+            yield run
+        finally:
+            run.end()
 
 
 @pytest.fixture(scope="module")

@@ -61,7 +61,7 @@ class Driven:
         """Load the page and wait until it shows robots."""
         self.url = url
         self.page.goto(f"{url}/?fixedDpr=1" + (f"&token={self._token}" if self._token else ""))
-        self.page.wait_for_function(READY, timeout=60_000, polling=100)
+        self.page.wait_for_function(READY, timeout=120_000, polling=100)
 
     def text(self) -> str:
         """All that can be read."""

@@ -1,4 +1,4 @@
-"""`echelon control`: time of a live run."""
+"""`echelon control`: time and agents of a live run."""
 
 import argparse
 
@@ -17,6 +17,9 @@ _ACTIONS = {
     "speed": "simulated seconds per second; 0: as fast as possible",
     "scenario": "fly another scenario",
     "controller": "fly again with another controller",
+    "kill": "kill a robot's agent, and keep it down",
+    "restart": "start a robot's agent again",
+    "compare": "fly a ghost beside it: a controller on the same faults; off: no more",
     "stop": "end the run and its processes",
 }
 
@@ -28,8 +31,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=text)
         if name == "step":
             action.add_argument("value", nargs="?", default="1", metavar="TICKS")
-        elif name in ("speed", "scenario", "controller"):
-            action.add_argument("value", metavar=name.upper())
+        elif name in ("kill", "restart"):
+            action.add_argument("value", metavar="ROBOT", help="its number, from 1")
+        elif name in ("speed", "scenario", "controller", "compare"):
+            action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
         add_run(action)
 
 
@@ -53,6 +58,10 @@ def _operation(action: str, value: str) -> Operation:
             return control.UseScenario(scenario=value)
         case "controller":
             return control.UseController(controller=value)
+        case "kill" | "restart":
+            return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+        case "compare":
+            return control.operation(Request("compare", {"controller": value}))
         case _:
             return control.operation(Request(action))
 

@@ -1,9 +1,11 @@
 """`echelon up`: a live run on this machine, until Ctrl-C."""
 
 import argparse
+import errno
 import socket
 
 from cli.options import add_scenario, load, source, tell
+from dashboard import access
 from fleet.live import LiveRun
 from fleet.runs import free_name
 from formation.errors import EchelonError
@@ -17,6 +19,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_scenario(parser)
     parser.add_argument("--run", metavar="NAME", help="name of the run (default: the scenario's)")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"of the page (default: {DEFAULT_PORT}; 0: any)")
+    parser.add_argument(
+        "--host", default=LOOPBACK, help="to serve the page on (default: loopback); others demand a token"
+    )
+    parser.add_argument(
+        "--token",
+        help=f"for --host, 16 characters or more (default: ${access.TOKEN}, else a new one, which is printed)",
+    )
     parser.add_argument("--no-dashboard", action="store_true", help="do without the page")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
@@ -28,7 +37,10 @@ def run(options: argparse.Namespace) -> int:
     scenario, settings = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
-    dashboard = None if options.no_dashboard else (LOOPBACK, _port(options.port))
+    dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
+    token = access.given_token(options.token)
+    if token is None and options.host not in access.LOOPBACK:
+        token = access.new_token()
     name = options.run or free_name(scenario.name)
     with LiveRun(
         name,
@@ -37,10 +49,12 @@ def run(options: argparse.Namespace) -> int:
         settings,
         tell=tell,
         dashboard=dashboard,
+        token=token,
         realtime=options.realtime,
         speed=options.speed,
         paused=options.paused,
         endless=True,
+        ghost=True,
     ) as live:
         tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         shown = 0
@@ -58,15 +72,17 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _port(port: int) -> int:
+def _port(host: str, port: int) -> int:
     """The port if it is free, or any free one for 0."""
-    with socket.socket() as probe:
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind((LOOPBACK, port))
-        except (OSError, OverflowError):
+            probe.bind((host, port))
+        except (OSError, OverflowError) as error:
+            if isinstance(error, socket.gaierror) or getattr(error, "errno", 0) == errno.EADDRNOTAVAIL:
+                raise EchelonError(f"--host: expected an address of this machine; got {host!r}") from None
             raise EchelonError(
-                f"--port: expected a free port of {LOOPBACK}; got {port}, which is taken or not allowed "
+                f"--port: expected a free port of {host}; got {port}, which is taken or not allowed "
                 "(0 takes any free one)"
             ) from None
         return int(probe.getsockname()[1])

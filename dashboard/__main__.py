@@ -4,7 +4,7 @@ import argparse
 import logging
 import sys
 
-from dashboard import server
+from dashboard import access, server
 from dashboard.page import Page
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
@@ -17,18 +17,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
     parser.add_argument("--port", type=_port, default=8090, help="8090 by default; 0: any free one")
-    parser.add_argument("--host", default="127.0.0.1", help="loopback only, unless in a container of ours")
+    parser.add_argument("--host", default="127.0.0.1", help="another one than loopback demands a token")
+    parser.add_argument("--token", help=f"that browsers must bring; ${access.TOKEN} hides it from ps")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s dashboard: %(message)s", stream=sys.stderr)
     try:
-        served = server.serve(options.host, options.port, "Run control")
+        guard = access.Guard(options.host, access.given_token(options.token))
+        served = server.serve(guard, options.port, "Run control")
         lifetime = Lifetime()
         try:
             with Session(options.connect, options.run) as session:
                 page = Page(served, session)
                 port = served.get_port()
-                where = "" if options.host in server.LOOPBACK else f" (listens on {options.host}:{port})"
-                print(f"dashboard: {server.address(options.host, port)}{where}", flush=True)
+                where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"
+                print(f"dashboard: {guard.address(port)}{where}", flush=True)
                 page.serve(lifetime)
         finally:
             server.stop(served)

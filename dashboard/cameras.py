@@ -5,8 +5,10 @@ The camera is in perspective with a narrow angle, which looks flat from above an
 
 import math
 import threading
+from collections import deque
 from dataclasses import dataclass, field
 from time import monotonic
+from typing import Any
 
 import numpy as np
 import viser
@@ -23,6 +25,8 @@ WIDE_METRES = 4.0
 MARGIN = 1.12
 HANDS_OFF_SECONDS = 0.4
 """A following view rests so long after a person moved it, then goes on from there."""
+TRIES = 4
+"""To agree with a page that speaks at the same moment."""
 ASPECT = 1.1
 """Width by height of the free part of the page, until the page has said."""
 
@@ -40,6 +44,8 @@ class _View:
     rest_until: float = 0.0
     fit_at: list[float] = field(default_factory=list)
     """When to fit again: the page tells its size late."""
+    ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=6))
+    """What this page was last told to look at, and from where: what differs is a person's doing [m]."""
 
 
 class Cameras:
@@ -80,6 +86,7 @@ class Cameras:
             view = self._views.get(client.client_id)
             if view is None:
                 return
+            view.fit_at = []
             look_at = np.array(client.camera.look_at)
             distance = float(np.linalg.norm(np.array(client.camera.position) - look_at))
             self._move(view, look_at, 0.92 * distance * np.array([-0.30, -0.66, 0.69]))
@@ -148,10 +155,16 @@ class Cameras:
 
     def _move(self, view: _View, look_at: FloatArray, offset: FloatArray) -> None:
         view.offset, view.set_at = offset, monotonic()
+        if view.ours and np.array_equal(view.ours[-1][1], offset):
+            view.ours.pop()
+        view.ours.append((look_at, offset))
         with view.client.atomic():
             camera = view.client.camera
-            camera.position = look_at + offset
-            camera.look_at = look_at
+            for _ in range(TRIES):
+                camera.position = look_at + offset
+                camera.look_at = look_at
+                if np.allclose(camera.position, look_at + offset):  # else the page's own word came in between
+                    break
             if abs(camera.fov - FOV) > 1e-6:
                 camera.fov = FOV
 
@@ -176,20 +189,40 @@ class Cameras:
     def _connected(self, client: viser.ClientHandle) -> None:
         with self._lock:
             view = self._views[client.client_id] = _View(client)
+            home = self._server.initial_camera
+            for camera in (client.camera, home):
+                view.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
             self._first(view)
 
         @client.camera.on_update
         def _(camera: viser.CameraHandle) -> None:
             with self._lock:
-                offset = np.array(camera.position) - np.array(camera.look_at)
-                moved = np.linalg.norm(offset - view.offset) > 0.01 * np.linalg.norm(view.offset)
-                if view.target is not None and moved and monotonic() - view.set_at < 10.0:
-                    view.offset = offset
-                    view.rest_until = monotonic() + HANDS_OFF_SECONDS
+                position, look_at = _pose(camera)
+                _note_hand(view, look_at, position - look_at)
 
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._views.pop(client.client_id, None)
+
+
+def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
+    """Position and point that is looked at, both of the same word of the page's: another may come in between [m]."""
+    for _ in range(TRIES):
+        position, look_at = np.array(camera.position), np.array(camera.look_at)
+        if np.array_equal(position, camera.position):
+            break
+    return position, look_at
+
+
+def _note_hand(view: _View, look_at: FloatArray, offset: FloatArray) -> None:
+    """A page says how it looks. If a person moved it, late fits are off, and what follows goes on from there."""
+    near = 0.01 * float(np.linalg.norm(view.offset))
+    if view.target is None:
+        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in view.ours):
+            view.fit_at = []
+    elif all(np.linalg.norm(offset - to) > near for _, to in view.ours) and monotonic() - view.set_at < 10.0:
+        view.offset = offset
+        view.rest_until = monotonic() + HANDS_OFF_SECONDS
 
 
 def _bounds(scenario: Scenario) -> tuple[FloatArray, FloatArray]:

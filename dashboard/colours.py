@@ -1,4 +1,4 @@
-"""Colours: hue says which robot, green to red says how healthy. Given as sRGB, encoded for viser's renderer.
+"""Colours as numbers: given as sRGB, encoded for viser's renderer.
 
 The page's canvas is tone-mapped (ACES, as in three.js), and colours per vertex or per instance are taken as linear.
 `encode` inverts both, so that the screen shows the colour that was asked for.
@@ -6,18 +6,10 @@ The page's canvas is tone-mapped (ACES, as in three.js), and colours per vertex 
 
 import numpy as np
 
+from dashboard.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
 
 Bytes = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
-
-IDENTITY = ("56b4e9", "b284ff", "ff79c6", "40d6d6", "ececec", "7f9cff", "d9b8ff", "9fc3d6")
-"""Hues of robots 1 to 8, none of them green, amber or red."""
-CROWD = "9fb4cc"
-"""Body colour when there are too many robots for a hue each."""
-OK, WARN, BAD = "34c796", "f7b83e", "f0485c"
-GREY = "8b94a5"
-BACKGROUND = "141414"
-SLOT, PATH, DESIRED = "566170", "8892a6", "6b7688"
 
 _INPUT = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
 _OUTPUT = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
@@ -30,19 +22,19 @@ def rgb(text: str) -> FloatArray:
     return np.array([int(text[i : i + 2], 16) / 255.0 for i in (0, 2, 4)])
 
 
-def identity(robot: int, robots: int) -> str:
+def identity(robot: int, robots: int, palette: Palette = DARK) -> str:
     """The colour "rrggbb" of a robot."""
-    return IDENTITY[robot - 1] if robots <= len(IDENTITY) else CROWD
+    return palette.identity[robot - 1] if robots <= len(palette.identity) else palette.crowd
 
 
-def identities(robots: int) -> FloatArray:
+def identities(robots: int, palette: Palette) -> FloatArray:
     """(n, 3) sRGB colours of all robots."""
-    return np.array([rgb(identity(i, robots)) for i in range(1, robots + 1)])
+    return np.array([rgb(identity(i, robots, palette)) for i in range(1, robots + 1)])
 
 
-def health(level: FloatArray) -> FloatArray:
+def health(level: FloatArray, palette: Palette = DARK) -> FloatArray:
     """(..., 3) sRGB from green (0) over amber (0.5) to red (1)."""
-    stops = np.array([rgb(OK), rgb(WARN), rgb(BAD)])
+    stops = np.array([rgb(palette.ok), rgb(palette.warn), rgb(palette.bad)])
     return np.stack([np.interp(level, [0.0, 0.5, 1.0], stops[:, c]) for c in range(3)], axis=-1)
 
 
@@ -52,9 +44,10 @@ def css(colour: FloatArray) -> str:
     return f"#{r:02x}{g:02x}{b:02x}"
 
 
-def mix(colour: FloatArray, share: FloatArray | float, background: str = BACKGROUND) -> FloatArray:
+def mix(colour: FloatArray, share: FloatArray | float, palette: Palette) -> FloatArray:
     """`colour` where share is 1, the background where it is 0."""
-    return rgb(background) + (colour - rgb(background)) * share
+    background = rgb(palette.background)
+    return np.asarray(background + (colour - background) * share)
 
 
 def encode(colour: FloatArray) -> Bytes:
@@ -84,9 +77,17 @@ def _untoned(screen: FloatArray) -> FloatArray:
     return np.asarray(0.6 * (curve @ _FROM_INPUT))
 
 
-_RAMP = encode(health(np.linspace(0.0, 1.0, 256)))
+_RAMPS = {palette: encode(health(np.linspace(0.0, 1.0, 256), palette)) for palette in (DARK, LIGHT)}
 
 
-def encoded_health(level: FloatArray) -> Bytes:
+def encoded_health(level: FloatArray, palette: Palette) -> Bytes:
     """(..., 3) bytes of `health`, quickly: this one is wanted in every frame."""
-    return _RAMP[np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]
+    return _RAMPS[palette][np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]
+
+
+_WORDS = tuple(css(colour) for colour in health(np.linspace(0.0, 1.0, 64)))
+
+
+def css_health(level: float) -> str:
+    """The dark look's `health` of a level from 0 to 1 for HTML, quickly."""
+    return _WORDS[int(63 * level)]

@@ -12,7 +12,7 @@ from formation.errors import WireError
 from network.control import Clear, Operation, SetFault
 from network.session import Session
 
-QUIET_SECONDS = 0.12
+QUIET_SECONDS = 0.08
 """A slider that is dragged says many values; the one on which it rests is sent."""
 POLL_SECONDS = 0.04
 
@@ -25,7 +25,7 @@ class Desk:
 
     def __init__(self, session: Session, feed: Feed, tell: Tell) -> None:
         self._session, self._feed, self._tell = session, feed, tell
-        self._queue: SimpleQueue[tuple[Operation, int | None]] = SimpleQueue()
+        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None wakes
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
@@ -47,11 +47,20 @@ class Desk:
         self._flush()
         self._queue.put((operation, page))
 
-    def change(self, links: tuple[str, ...], changes: dict[str, Any], seconds: float | None, page: int | None) -> None:
-        """Change keys of the faults of some links, once the person's hand has come to rest."""
+    def change(
+        self,
+        links: tuple[str, ...],
+        changes: dict[str, Any],
+        seconds: float | None,
+        page: int | None,
+        *,
+        at_once: bool = False,
+    ) -> None:
+        """Change keys of the faults of some links, at once or when the person's hand has come to rest."""
         with self._lock:
             self._resting.setdefault(links, {}).update(changes)
-            self._rest = (monotonic() + QUIET_SECONDS, seconds, page)
+            self._rest = (monotonic() + QUIET_SECONDS * (not at_once), seconds, page)
+        self._queue.put(None)
 
     def clear(self, links: tuple[str, ...], page: int | None) -> None:
         """Take back the faults of some links."""
@@ -74,13 +83,17 @@ class Desk:
                 self._mishaps.note()
 
     def _next(self) -> None:
-        if self._resting and monotonic() >= self._rest[0]:
+        left = self._rest[0] - monotonic() if self._resting else POLL_SECONDS
+        if left <= 0.0:
             self._flush()
         try:
-            operation, page = self._queue.get(timeout=POLL_SECONDS)
+            asked = self._queue.get(timeout=min(max(left, 0.0), POLL_SECONDS))
         except Empty:
             self._feed.learn()
             return
+        if asked is None:
+            return
+        operation, page = asked
         complaint = self._do(operation)
         if complaint is not None:
             self._tell(page, *complaint)

@@ -84,11 +84,12 @@ class FaultPanel:
         label = self._target.value
         return _links_of(label, self._robots) if label in self._target.options else ()
 
-    def choose(self, sender: int) -> None:
-        """Choose the link with this sender, in the ring."""
-        label = f"{sender} → {downstream(sender, self._robots)}"
-        if label in self._target.options:
-            self._target.value = label
+    def choose(self, verb: str, number: int) -> None:
+        """Choose a target: "link" with this sender in the ring, "both" links of this robot, or "all"."""
+        label = {"link": f"{number} → {downstream(number, self._robots)}", "both": f"Robot {number}: from and to"}
+        wished = label.get(verb, ALL)
+        if wished in self._target.options:
+            self._target.value = wished
 
     def _seconds(self) -> float | None:
         return FOR_SECONDS if self._timed.value else None
@@ -96,7 +97,7 @@ class FaultPanel:
     def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
         if event.client_id is None:  # the page follows the world; nobody moved it
             return
-        self._desk.change(self.target, {key: value}, self._seconds(), event.client_id)
+        self._desk.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
 
     def _use_preset(self, event: viser.GuiEvent[Any]) -> None:
         name = event.target.value

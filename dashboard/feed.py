@@ -5,6 +5,7 @@ One thread drains the inbox and only stores, so that a slow page never slows the
 
 import json
 import threading
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,12 +25,16 @@ from formation.scenario import Scenario, parse
 from formation.shape import MAX_ROBOTS
 from network import keys
 from network.codec import decode
-from network.messages import State, Status
+from network.messages import Ghost, State, Status
 from network.rejects import Rejects
-from network.session import Presence, Sample, Session
+from network.session import Kept, Presence, Sample, Session
 
 SILENCE_SECONDS = 1.5
 """The world says its state twenty times a second; silent for so long, it is gone."""
+WAITING_PLANS = 128
+"""Plans of a robot that wait to be looked at, at every frame: more than a second's at 100 Hz."""
+WAITING_GHOSTS = 1000
+"""Ghosts that wait: one that catches up says 450 in a row."""
 LEARN_INTERVAL = 0.25
 """Between two questions for what is flown [s]."""
 
@@ -46,6 +51,10 @@ class Seen:
     plans: Mapping[int, PlanLog]
     poses: FloatArray
     """(n, 3) true poses, moved between the last two states so that motion is smooth [m, m, rad]."""
+    stamp: float
+    """Simulated time of these poses [s]."""
+    ghosts: tuple[Ghost, ...]
+    """What a ghost has said since the last look, oldest first."""
     here: bool
     """Whether the world is talking."""
     connected: bool
@@ -53,7 +62,7 @@ class Seen:
 
 
 class Feed:
-    """Listens to a run."""
+    """Listens to a run. Plans come by the thousand, and wait outside Python until somebody looks."""
 
     def __init__(self, session: Session) -> None:
         """Subscribe; `start` then listens."""
@@ -62,6 +71,7 @@ class Feed:
         self._states: tuple[tuple[float, State], ...] = ()
         self._statuses: dict[int, Status] = {}
         self._plans: dict[int, PlanLog] = {}
+        self._ghosts: deque[Ghost] = deque(maxlen=WAITING_GHOSTS)
         self._scenario: tuple[int, int, Scenario] | None = None
         self._rejects = Rejects()
         self._asked_at = 0.0
@@ -70,7 +80,8 @@ class Feed:
         run = session.run
         session.subscribe(keys.state(run))
         session.subscribe(keys.status(run, "*"))
-        session.subscribe(keys.plan(run, "*"))
+        session.subscribe(keys.ghost(run))
+        self._waiting: dict[int, Kept] = {}
         session.watch()
         session.appear("dashboard")
 
@@ -89,7 +100,11 @@ class Feed:
         now = monotonic()
         with self._lock:
             states, statuses, plans = self._states, dict(self._statuses), dict(self._plans)
-            scenario = self._scenario
+            scenario, waiting = self._scenario, dict(self._waiting)
+        ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
+        for robot, log in plans.items():
+            self._take_plans(robot, log, waiting[robot])
+        poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
         fits = state is not None and scenario is not None and scenario[0] == state.epoch
         return Seen(
@@ -97,7 +112,9 @@ class Feed:
             scenario=scenario[2] if fits and scenario is not None else None,
             statuses=statuses,
             plans=plans,
-            poses=_between(states, now),
+            poses=poses,
+            stamp=stamp,
+            ghosts=ghosts,
             here=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
             connected=self._session.connected,
         )
@@ -122,7 +139,10 @@ class Feed:
         except (EchelonError, ValueError) as error:
             self._rejects.add("setup", error)
             return
+        run, new = self._session.run, set(range(1, scenario.size + 1)) - self._waiting.keys()
+        subscribed = {robot: self._session.keep(keys.plan(run, robot), WAITING_PLANS) for robot in sorted(new)}
         with self._lock:
+            self._waiting |= subscribed
             if known is None or known[0] != setup.epoch:
                 self._plans = {i: self._log(i, scenario.size) for i in range(1, scenario.size + 1)}
             self._scenario = (setup.epoch, setup.revision, scenario)
@@ -148,14 +168,14 @@ class Feed:
                     self._statuses.pop(item.number, None)
 
     def _take(self, sample: Sample) -> None:
-        robot = keys.robot_of(sample.key)
-        if sample.key.endswith("/plan"):
-            log = self._plans.get(robot or 0)
-            if log is not None:
-                log.add(sample.payload)
+        if sample.key.endswith("/ghost"):
+            ghost = decode(Ghost, sample.payload)
+            if not len(ghost.distance_errors) == len(ghost.angle_errors) == len(ghost.poses):
+                raise WireError(f"expected errors of {len(ghost.poses)} robots")
+            self._ghosts.append(ghost)
         elif sample.key.endswith("/status"):
             status = decode(Status, sample.payload)
-            if status.sender != robot:
+            if status.sender != keys.robot_of(sample.key):
                 raise WireError(f"expected the sender named in the key; got {status.sender}")
             with self._lock:
                 self._statuses[status.sender] = status
@@ -163,6 +183,13 @@ class Feed:
             state = _checked(decode(State, sample.payload))
             with self._lock:
                 self._states = (*self._states[-1:], (monotonic(), state))
+
+    def _take_plans(self, robot: int, log: PlanLog, waiting: Kept) -> None:
+        for payload in waiting.take():
+            try:
+                log.add(payload)
+            except WireError as error:
+                self._rejects.add(keys.plan(self._session.run, robot), error)
 
 
 def _checked(state: State) -> State:
@@ -176,7 +203,7 @@ def _checked(state: State) -> State:
         raise WireError(f"poses: expected at most {MAX_ROBOTS}; got {n}")
     if not len(state.slots) == len(state.distance_errors) == len(state.angle_errors) == n:
         raise WireError(f"expected {n} slots and errors")
-    for name in ("waiting_for", "live", "stopped"):
+    for name in ("waiting_for", "dismissed", "live", "stopped"):
         for robot in getattr(state, name):
             if not 1 <= robot <= n:
                 raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
@@ -192,17 +219,17 @@ def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
         raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
 
 
-def _between(states: tuple[tuple[float, State], ...], now: float) -> FloatArray:
-    """Poses now: from the state before the last to the last, in the time that lay between them."""
+def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:
+    """Poses and stamp now: from the state before the last to the last, in the time that lay between them."""
     if not states:
-        return np.empty((0, 3))
+        return np.empty((0, 3)), 0.0
     at, last = states[-1]
     if len(states) < 2:
-        return last.poses
+        return last.poses, last.stamp
     before_at, before = states[0]
     if before.epoch != last.epoch or before.poses.shape != last.poses.shape or at <= before_at:
-        return last.poses
+        return last.poses, last.stamp
     share = min(1.0, (now - at) / (at - before_at))
     moved = last.poses - before.poses
     moved[:, 2] = wrapped(moved[:, 2])
-    return before.poses + share * moved
+    return before.poses + share * moved, before.stamp + share * (last.stamp - before.stamp)

@@ -57,11 +57,20 @@ def turns(angles: FloatArray) -> FloatArray:
 
 def teardrop(length: float, width: float, grown: float = 0.0) -> tuple[FloatArray, Faces]:
     """A flat body that points along x: a round back and a pointed front; its circle's centre is the origin [m]."""
+    return _fan(_rim(length, width, grown))
+
+
+def teardrop_rim(length: float, width: float, thickness: float) -> tuple[FloatArray, Faces]:
+    """The outline of a teardrop [m]."""
+    return _band(_rim(length, width, -thickness), _rim(length, width, 0.0))
+
+
+def _rim(length: float, width: float, grown: float) -> FloatArray:
+    """Points (30, 2) around a teardrop."""
     radius, tip = width / 2.0 + grown, length - width / 2.0 + 1.6 * grown
     touch = math.acos(min(1.0, radius / tip))
     around = np.linspace(touch, 2.0 * math.pi - touch, 29)
-    rim = np.concatenate([[[tip, 0.0]], radius * np.stack([np.cos(around), np.sin(around)], axis=1)])
-    return _fan(rim)
+    return np.concatenate([[[tip, 0.0]], radius * np.stack([np.cos(around), np.sin(around)], axis=1)])
 
 
 def arrow_head(length: float, width: float) -> tuple[FloatArray, Faces]:
@@ -75,11 +84,16 @@ def ring(radius: float, thickness: float) -> tuple[FloatArray, Faces]:
     count = 40
     around = 2.0 * math.pi * np.arange(count) / count
     unit = np.stack([np.cos(around), np.sin(around)], axis=1)
-    points = np.concatenate([unit * (radius - thickness / 2.0), unit * (radius + thickness / 2.0)])
+    return _band(unit * (radius - thickness / 2.0), unit * (radius + thickness / 2.0))
+
+
+def _band(inner: FloatArray, outer: FloatArray) -> tuple[FloatArray, Faces]:
+    """What lies between two closed lines (count, 2) each."""
+    count = len(inner)
     i = np.arange(count)
     j = (i + 1) % count
     faces = np.concatenate([np.stack([i, i + count, j + count], axis=1), np.stack([i, j + count, j], axis=1)])
-    return lifted(points, 0.0), faces.astype(np.uint32)
+    return lifted(np.concatenate([inner, outer]), 0.0), faces.astype(np.uint32)
 
 
 def _fan(rim: FloatArray) -> tuple[FloatArray, Faces]:

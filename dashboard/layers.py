@@ -10,6 +10,7 @@ import numpy as np
 
 from dashboard import colours, geometry
 from dashboard.links import LinkView
+from dashboard.palette import Palette
 from dashboard.plans import PlanLog
 from formation.arrays import FloatArray
 from formation.pattern import upstream
@@ -56,9 +57,9 @@ def desired(slots: FloatArray, z: float) -> FloatArray:
     return geometry.lifted(dashes.reshape(-1, 2, 2), z)
 
 
-def edge_colours(distance_errors: FloatArray) -> colours.Bytes:
+def edge_colours(distance_errors: FloatArray, palette: Palette) -> colours.Bytes:
     """(n, 2, 3), encoded."""
-    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT)
+    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT, palette)
     return np.repeat(colour[:, None], 2, axis=1)
 
 
@@ -68,14 +69,10 @@ class Arrows:
 
     shafts: FloatArray
     """(n DASHES, 2, 3) [m]."""
-    shaft_colours: colours.Bytes
-    """(n DASHES, 2, 3), encoded."""
     tips: FloatArray
     """(n, 3) [m]."""
     directions: FloatArray
     """(n,) [rad]."""
-    head_colours: colours.Bytes
-    """(n, 3), encoded."""
 
 
 def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
@@ -95,15 +92,18 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     a = start[:, None] + (shaft_end - start)[:, None] * steps / DASHES
     b = start[:, None] + (shaft_end - start)[:, None] * (steps + share[:, None, None]) / DASHES
     shafts = np.stack([a, b], axis=2).reshape(-1, 2, 2)
-    colour = colours.encoded_health(np.array([link.level for link in links]))
     z = sizes.z(layer)
     return Arrows(
         shafts=geometry.lifted(shafts, z),
-        shaft_colours=np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1),
         tips=geometry.lifted(end, z + 0.2 * sizes.z(1)),
         directions=np.arctan2(along[:, 1], along[:, 0]),
-        head_colours=colour,
     )
+
+
+def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
+    """Of the shafts (n DASHES, 2, 3) and of the heads (n, 3), encoded."""
+    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
+    return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
 
 
 def horizons(plans: list[Plan | None], poses: FloatArray, steps: int) -> FloatArray:
@@ -133,28 +133,28 @@ def held_plans(
     return held
 
 
-def fading(colour: FloatArray, points: int, strength: float, *, towards_end: bool) -> FloatArray:
+def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:
     """(n (points - 1), 2, 3) sRGB for polylines that fade into the background."""
     share = strength * (np.linspace(1.0, 0.3, points) if towards_end else np.linspace(0.05, 1.0, points))
-    per_point = colours.mix(colour[:, None], share[None, :, None])
+    per_point = colours.mix(colour[:, None], share[None, :, None], palette)
     return np.stack([per_point[:, :-1], per_point[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
-def body_colours(robots: int, lost: set[int]) -> FloatArray:
+def body_colours(robots: int, lost: set[int], palette: Palette) -> FloatArray:
     """(n, 3) sRGB: the hue of each robot, pale for one without a mind."""
-    colour = colours.identities(robots)
+    colour = colours.identities(robots, palette)
     for robot in lost:
-        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35)
+        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35, palette)
     return colour
 
 
-def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None) -> FloatArray:
-    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, white around the chosen one."""
-    colour = np.tile(colours.rgb("0c0f13"), (robots, 1))
+def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None, palette: Palette) -> FloatArray:
+    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, bright around the chosen one."""
+    colour = np.tile(colours.rgb(palette.outline), (robots, 1))
     if focus is not None and 1 <= focus <= robots:
-        colour[focus - 1] = colours.rgb("ffffff")
+        colour[focus - 1] = colours.rgb(palette.chosen)
     for robot in stopped:
-        colour[robot - 1] = colours.rgb(colours.WARN)
+        colour[robot - 1] = colours.rgb(palette.warn)
     for robot in lost:
-        colour[robot - 1] = colours.rgb(colours.BAD)
+        colour[robot - 1] = colours.rgb(palette.bad)
     return colour

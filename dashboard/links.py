@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from formation.pattern import downstream
 from network.messages import LinkCounts, State, Status
 
@@ -45,7 +43,7 @@ class LinkView:
     @property
     def level(self) -> float:
         """0 is healthy, 1 is lost."""
-        return 1.0 if self.lost else float(np.clip((self.age or 0.0) / LOST_SECONDS, 0.0, 1.0))
+        return 1.0 if self.lost else min(1.0, max(0.0, (self.age or 0.0) / LOST_SECONDS))
 
     @property
     def word(self) -> str:

@@ -76,8 +76,8 @@ class Notices:
 def _welcome(client: viser.ClientHandle) -> None:
     client.add_notification(
         "This is Echelon",
-        "Robots fly a formation; each plans for itself with what its neighbour last told it. Try: choose a link under "
-        "Communication faults and tick Cut, or click an arrow head first. P pauses, Ctrl-K lists all commands.",
+        "Robots fly a formation; each plans for itself with what its neighbour last told it. Try: press a cell of the "
+        "link matrix, or an arrow head, then tick Cut. P pauses, Ctrl-K lists all commands.",
         color=PLAIN,
         auto_close_seconds=WELCOME_SECONDS,
     )

@@ -15,11 +15,18 @@ from dashboard.faults import FaultPanel
 from dashboard.feed import Feed, Seen
 from dashboard.history import History
 from dashboard.links import LinkView, links
+from dashboard.lives import Lives
+from dashboard.matrix import matrix
 from dashboard.mishaps import Mishaps
 from dashboard.notices import Notices
-from dashboard.plots import FIRST, SECOND, Plots
+from dashboard.palette import DARK, LIGHT, Palette
+from dashboard.plots import FIRST, SECOND, Chart
+from dashboard.recording import Recording
 from dashboard.run import RunPanel
+from dashboard.saving import Saving
 from dashboard.scene import LAYERS, Scene
+from dashboard.sheet import sheet
+from dashboard.taps import Taps
 from dashboard.words import legend
 from network.lifetime import Lifetime
 from network.session import Session
@@ -42,23 +49,31 @@ class Page:
         self._feed = Feed(session)
         self._notices = Notices(server)
         self._desk = Desk(session, self._feed, self._notices.tell)
+        self._lives = Lives(self._desk)
         self._history = History()
+        self._recording = Recording()
         self._cameras = Cameras(server)
-        self._scene = Scene(server, self._focus_on, self._choose_link)
+        self._scene = Scene(server, self._focus_on, lambda sender: self._faults.choose("link", sender))
         self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
+        self._told: tuple[object, ...] = ()
+        self._palette = DARK
+        self._turn = 0
         self._dress()
         gui = server.gui
+        gui.add_html(sheet())
         self._run = RunPanel(gui, self._desk)
         self._faults = FaultPanel(gui, self._desk)
         self._add_view(gui)
+        self._saving = Saving(gui, session.run, self._recording, lambda: self._palette, self._notices.tell)
+        self._taps = Taps(gui, self._tapped)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(330)
         panel = gui.add_panel()
         with panel.add_tab("Live", viser.Icon.CHART_LINE):
-            self._first = Plots(gui, FIRST)
+            first = [Chart(gui, plot) for plot in FIRST]
             self._matrix = gui.add_html("")
-            self._second = Plots(gui, SECOND)
+            self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
         with panel.add_tab("Robots", viser.Icon.ROBOT):
             self._robots = gui.add_html("")
         with panel.add_tab("Log", viser.Icon.LIST):
@@ -68,7 +83,7 @@ class Page:
 
     def _dress(self) -> None:
         self._server.gui.configure_theme(
-            dark_mode=True,
+            dark_mode=self._palette.dark,
             show_logo=False,
             show_share_button=False,
             brand_color=(60, 150, 220),
@@ -83,12 +98,14 @@ class Page:
     def _add_view(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("View"):
             camera = gui.add_button_group("Camera", ("Fit", "3D", "Follow"))
+            light = gui.add_checkbox("Light", False, hint="Light instead of dark, on every page of this run")
             self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
             gui.add_html(legend())
             with gui.add_folder("Layers", expand_by_default=False):
                 for name in LAYERS:
                     box = gui.add_checkbox(name, True)
                     box.on_update(partial(self._show_layer, name))
+        light.on_update(lambda event: self._choose_look(LIGHT if event.target.value else DARK))
         camera.on_click(lambda event: self._look(event.target.value, event.client))
         self._focus.on_update(self._focus_chosen)
         for name, key in (("Fit", "F"), ("3D", "D"), ("Follow", "G")):
@@ -99,6 +116,12 @@ class Page:
 
     def _show_layer(self, name: str, event: viser.GuiEvent[Any]) -> None:
         self._scene.show_layer(name, bool(event.target.value))
+
+    def _choose_look(self, palette: Palette) -> None:
+        self._palette = palette
+        self._dress()
+        for chart in self._charts:
+            chart.dress(palette)
 
     def _look_at(self, how: str, event: Any) -> None:
         self._look(how, event.client)
@@ -130,8 +153,16 @@ class Page:
             self._scene.focus, self._focus.value = robot, name
             self._cameras.follow(client, robot)
 
-    def _choose_link(self, sender: int) -> None:
-        self._faults.choose(sender)
+    def _tapped(self, verb: str, number: int, event: viser.GuiEvent[Any]) -> None:
+        """A person pressed a cell of a table."""
+        if event.client is None:
+            return
+        if verb == "focus":
+            self._focus_on(event.client, number)
+        elif verb in ("kill", "restart"):
+            self._lives.pressed(verb, number, event.client)
+        else:
+            self._faults.choose(verb, number)
 
     # ------------------------------------------------------------------ the loop
 
@@ -156,31 +187,66 @@ class Page:
         state = seen.state
         views = links(state, seen.statuses) if state is not None else []
         with self._server.atomic():
+            self._scene.dress(self._palette)
             if state is not None and seen.scenario is not None:
-                self._history.add(state, views)
+                self._history.ghost.follow(state, seen.ghosts)
+                self._history.add(state, views, solves(seen))
+                self._recording.add(state, views, seen.statuses)
                 self._scene.draw(seen, views, self._history)
-            now = monotonic()
-            if now - self._panel_at >= PANEL_INTERVAL:
-                self._panel_at = now
-                self._draw_panels(seen, views)
+            now, news = monotonic(), self._news(seen)
+            if now - self._panel_at >= PANEL_INTERVAL or news != self._told:
+                self._draw_panels(seen, views, whole=news != self._told)
+                self._panel_at, self._told = now, news
             elif now - self._plot_at >= PLOT_INTERVAL:
                 self._plot_at = now
-                self._first.draw(self._history)
-                self._second.draw(self._history)
+                series = self._history.series()
+                for chart in self._charts:
+                    chart.draw(series, ghost=bool(state and state.compare))
         if state is not None and seen.scenario is not None and len(seen.poses) == seen.scenario.size:
             self._cameras.update(seen.scenario, seen.poses)
         return len(seen.poses)
 
-    def _draw_panels(self, seen: Seen, views: list[LinkView]) -> None:
-        self._run.draw(seen, views)
-        self._matrix.content = tables.matrix(seen, views)
-        self._robots.content = tables.robots(seen, views)
-        self._log.content = tables.log(seen.state)
+    def _news(self, seen: Seen) -> tuple[object, ...]:
+        """What people see at once when it changes; the rest is drawn some times a second."""
+        state, about = seen.state, (seen.here, seen.connected, self._faults.target, self._scene.focus)
+        if state is None:
+            return about
+        newest = state.events[-1].number if state.events else 0
+        return (
+            *about,
+            state.epoch,
+            state.revision,
+            state.status,
+            state.speed,
+            state.compare,
+            newest,
+            *state.dismissed,
+            *state.live,
+        )
+
+    def _draw_panels(self, seen: Seen, views: list[LinkView], *, whole: bool) -> None:
+        self._run.draw(seen, views, self._history)
+        n = len(seen.poses)
+        self._taps.offer({"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {})
+        self._matrix.content = matrix(seen, views, self._taps, self._faults.target)
+        self._turn += 1
+        if whole or self._turn % 2:  # the other tabs take turns: they are read rather than watched
+            self._robots.content = tables.robots(seen, views, self._taps)
+        if whole or not self._turn % 2:
+            self._log.content = tables.log(seen.state)
         if seen.state is not None:
             self._faults.draw(seen.state)
+            self._lives.draw(seen.state)
             options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
             offer(self._focus, options)
+        self._saving.note(seen)
         self._notices.compare(seen, views)
+
+
+def solves(seen: Seen) -> list[float]:
+    """What a plan has cost each robot of late [s]."""
+    epoch = seen.state.epoch if seen.state is not None else None
+    return [status.solve for status in seen.statuses.values() if status.epoch == epoch]
 
 
 def _logo(ink: str) -> str:

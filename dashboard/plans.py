@@ -48,6 +48,7 @@ class PlanLog:
         self._bytes = 0
         self._entries: deque[_Entry] = deque()
         self._found: Plan | None = None
+        self._step: int | None = None
 
     def add(self, payload: bytes) -> None:
         """A payload came in.
@@ -76,8 +77,7 @@ class PlanLog:
         if first is None or first[1].epoch != epoch or seq > first[1].seq:
             return None
         back, newest = first
-        second = self._from(back + 1)
-        step = 1 if second is None else max(1, newest.seq - second[1].seq)
+        step = self._step or self._look_for_step(back, newest)
         for _ in range(TRIES):
             here = self._from(back)
             if here is None or here[1].epoch != epoch:
@@ -91,6 +91,14 @@ class PlanLog:
             if back < 0:
                 return None
         return None
+
+    def _look_for_step(self, back: int, newest: Plan) -> int:
+        """Ticks from one plan to the next; looked up once, for a flight's are all the same."""
+        before = self._from(back + 1)
+        if before is None or before[1].seq >= newest.seq:
+            return 1
+        self._step = newest.seq - before[1].seq
+        return self._step
 
     def _from(self, back: int) -> tuple[int, Plan] | None:
         """The first plan from so many entries before the newest on, backwards, and where it is."""

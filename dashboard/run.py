@@ -7,11 +7,13 @@ import viser
 from dashboard.controls import Follower, assign
 from dashboard.desk import Desk
 from dashboard.feed import Seen
+from dashboard.history import History
 from dashboard.links import LinkView
 from dashboard.summary import head
-from formation.controllers import LIVE
+from dashboard.versus import comparison
+from formation.controllers import LIVE, NAMES
 from formation.scenario import shipped
-from network.control import Clear, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
+from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
 from network.messages import State
 
 SPEEDS = {
@@ -24,6 +26,8 @@ SPEEDS = {
     "as fast as possible": 0.0,
 }
 STEP_TICKS = 10
+ALONE = "nothing"
+COMPARE_HINT = "Flies this controller beside the live one, as a ghost that meets the very same faults"
 
 
 class RunPanel:
@@ -37,6 +41,8 @@ class RunPanel:
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = Follower(gui.add_dropdown("Scenario", tuple(shipped())))
         self._controller = Follower(gui.add_dropdown("Controller", LIVE))
+        self._compare = Follower(gui.add_dropdown("Compare with", (ALONE, *NAMES), hint=COMPARE_HINT))
+        self._verdict = gui.add_html("")
         self._speed = Follower(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
@@ -44,6 +50,7 @@ class RunPanel:
         self._controller.control.on_update(
             lambda event: self._person(event, lambda name: UseController(controller=name))
         )
+        self._compare.control.on_update(lambda event: self._person(event, _compare))
         self._speed.control.on_update(lambda event: self._person(event, lambda name: Speed(speed=_speed(name))))
         self._add_commands(gui)
 
@@ -75,7 +82,7 @@ class RunPanel:
 
     # ------------------------------------------------------------------ what the world says
 
-    def draw(self, seen: Seen, links: list[LinkView]) -> None:
+    def draw(self, seen: Seen, links: list[LinkView], history: History) -> None:
         """Show how the run is."""
         assign(self._head, "content", head(seen, links))
         state = seen.state
@@ -88,6 +95,8 @@ class RunPanel:
             self._toggle.icon = icon
         _choose(self._scenario, state.scenario)
         _choose(self._controller, state.controller)
+        _choose(self._compare, state.compare or ALONE)
+        assign(self._verdict, "content", comparison(state, history))
         _choose(self._speed, _speed_name(state))
 
 
@@ -97,6 +106,10 @@ _LABELS = {
     "waiting": ("Start", viser.Icon.PLAYER_PLAY),
     "finished": ("Fly again", viser.Icon.REPEAT),
 }
+
+
+def _compare(name: str) -> Operation:
+    return Compare.model_validate({"controller": "off" if name == ALONE else name})
 
 
 def _speed(name: str) -> float:

@@ -6,24 +6,29 @@ from typing import Any
 import numpy as np
 import viser
 
-from dashboard import colours, geometry, layers
+from dashboard import colours, geometry, layers, nodes
 from dashboard.feed import Seen
-from dashboard.history import TRAIL_POINTS, History
+from dashboard.ghost_layer import GhostLayer
+from dashboard.history import History
 from dashboard.links import LinkView
+from dashboard.palette import DARK, Palette
+from dashboard.series import TRAIL_POINTS
 from formation.arrays import FloatArray
 from formation.scenario import Scenario
 from network.messages import State
 
 TRAIL_EVERY = 3
 """Frames between two updates of the trails, which are the most bytes."""
+GHOST = "Ghost"
 LAYERS = {
     "Trails": ("/trails",),
     "Horizons": ("/horizons",),
     "Beliefs": ("/beliefs",),
     "Slots": ("/slots", "/desired"),
     "Links": ("/links", "/heads"),
+    GHOST: (),
 }
-"""What can be hidden, and its nodes."""
+"""What can be hidden, and its nodes; the ghost hides its own."""
 
 
 class Scene:
@@ -54,16 +59,22 @@ class Scene:
         self._focus_drawn: int | None = None
         self._state: State | None = None
         self._looks: object = None
+        self._ghost: GhostLayer | None = None
+        self._ghost_shown = True
+        self._palette = DARK
         scene = server.scene
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
         scene.add_light_ambient("/light", intensity=np.pi)
-        scene.add_grid(
+        self._lay_grid()
+
+    def _lay_grid(self) -> None:
+        self._server.scene.add_grid(
             "/grid",
             cell_size=0.1,
             section_size=0.5,
-            cell_color=(52, 54, 62),
-            section_color=(66, 74, 96),
+            cell_color=_bytes(self._palette.cell),
+            section_color=_bytes(self._palette.section),
             infinite_grid=True,
             fade_distance=400.0,
             fade_strength=0.5,
@@ -71,8 +82,18 @@ class Scene:
             position=(0.0, 0.0, -0.001),
         )
 
+    def dress(self, palette: Palette) -> None:
+        """Draw in another look from now on; call within server.atomic()."""
+        if palette != self._palette:
+            self._palette = palette
+            self._lay_grid()
+            if self._scenario is not None:
+                self._build(self._scenario)
+
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of LAYERS."""
+        if name == GHOST:
+            self._ghost_shown = shown
         for node in LAYERS[name]:
             self._hidden.discard(node) if shown else self._hidden.add(node)
             if node in self._nodes:
@@ -89,8 +110,12 @@ class Scene:
             self._scenario = scenario
         self._frame += 1
         self._move(seen.poses, links)
-        if self._frame % TRAIL_EVERY == 1:
+        trails = self._frame % TRAIL_EVERY == 1
+        if trails:
             self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
+        if self._ghost is not None:
+            self._ghost.allow(self._ghost_shown)
+            self._ghost.draw(history.ghost, seen.stamp, trails=trails)
         if state is not self._state or self._focus_drawn != self.focus:
             self._state, self._focus_drawn = state, self.focus
             self._recolour(state, links)
@@ -98,33 +123,33 @@ class Scene:
 
     def _move(self, poses: FloatArray, links: list[LinkView]) -> None:
         """What moves in every frame."""
-        nodes, sizes = self._nodes, self._sizes
+        drawn, sizes = self._nodes, self._sizes
         turned = geometry.turns(poses[:, 2])
         for name, layer in (("/outlines", 9), ("/bodies", 10)):
-            nodes[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
-            nodes[name].batched_wxyzs = turned
+            drawn[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
+            drawn[name].batched_wxyzs = turned
         strokes = self._strokes + poses[self._stroke_owner, None, :2]
-        nodes["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
-        nodes["/edges"].points = layers.edges(poses, sizes.z(6))
+        drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
+        drawn["/edges"].points = layers.edges(poses, sizes.z(6))
         arrows = layers.arrows(poses, links, sizes, 7)
-        nodes["/links"].points = arrows.shafts
-        nodes["/links"].colors = arrows.shaft_colours
-        nodes["/heads"].batched_positions = arrows.tips
-        nodes["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
-        nodes["/heads"].batched_colors = arrows.head_colours
+        drawn["/links"].points = arrows.shafts
+        drawn["/heads"].batched_positions = arrows.tips
+        drawn["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
 
     def _recolour(self, state: State, links: list[LinkView]) -> None:
         """What changes with every state."""
-        nodes, n = self._nodes, len(state.poses)
-        nodes["/edges"].colors = layers.edge_colours(state.distance_errors)
-        nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
-        nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
+        drawn, n = self._nodes, len(state.poses)
+        drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
+        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, self._palette)
+        drawn["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
+        drawn["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
         looks = (n, lost, stopped, self.focus)
         if looks != self._looks:
             self._looks = looks
-            nodes["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost))
-            nodes["/outlines"].batched_colors = colours.encode(layers.outline_colours(n, lost, stopped, self.focus))
+            drawn["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost, self._palette))
+            outlines = layers.outline_colours(n, lost, stopped, self.focus, self._palette)
+            drawn["/outlines"].batched_colors = colours.encode(outlines)
 
     def _plan(self, seen: Seen, state: State, steps: int) -> None:
         """What robots want, and what their neighbours believe of it."""
@@ -146,29 +171,33 @@ class Scene:
         n = scenario.size
         self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))
         steps = scenario.controller.horizon
-        hue = colours.identities(n)
+        palette = self._palette
+        hue = colours.identities(n, palette)
         marks = [geometry.digits(i, 0.017 * sizes.unit) for i in range(1, n + 1)]
         self._strokes = np.concatenate(marks)
         self._stroke_owner = np.repeat(np.arange(n), [len(mark) for mark in marks])
         length, width = sizes.body
         self._nodes = {
-            "/path": self._lines("/path", geometry.lifted(route(scenario), sizes.z(1)), colours.rgb(colours.PATH), 1.4),
+            "/path": self._lines("/path", geometry.lifted(route(scenario), sizes.z(1)), colours.rgb(palette.path), 1.4),
             "/trails": self._lines(
                 "/trails",
                 np.zeros((n * (TRAIL_POINTS - 1), 2, 3)),
-                layers.fading(hue, TRAIL_POINTS, 0.85, towards_end=False),
+                layers.fading(hue, TRAIL_POINTS, 0.85, palette, towards_end=False),
                 2.0,
             ),
             "/slots": self._meshes("/slots", geometry.ring(0.025 * sizes.unit, 0.0022 * sizes.unit), n),
-            "/desired": self._lines("/desired", np.zeros((6 * n, 2, 3)), colours.rgb(colours.DESIRED), 1.2),
+            "/desired": self._lines("/desired", np.zeros((6 * n, 2, 3)), colours.rgb(palette.desired), 1.2),
             "/beliefs": self._lines(
                 "/beliefs",
                 np.zeros((n * ((steps + 1) // 2), 2, 3)),
-                np.repeat(np.repeat(colours.mix(hue, 0.85)[:, None], (steps + 1) // 2, axis=0), 2, axis=1),
+                np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], (steps + 1) // 2, axis=0), 2, axis=1),
                 1.8,
             ),
             "/horizons": self._lines(
-                "/horizons", np.zeros((n * steps, 2, 3)), layers.fading(hue, steps + 1, 1.0, towards_end=True), 2.6
+                "/horizons",
+                np.zeros((n * steps, 2, 3)),
+                layers.fading(hue, steps + 1, 1.0, palette, towards_end=True),
+                2.6,
             ),
             "/edges": self._lines("/edges", np.zeros((n, 2, 3)), np.zeros((n, 2, 3)), 3.2),
             "/links": self._lines(
@@ -177,34 +206,21 @@ class Scene:
             "/heads": self._meshes("/heads", geometry.arrow_head(0.016 * sizes.unit, 0.012 * sizes.unit), n),
             "/outlines": self._meshes("/outlines", geometry.teardrop(length, width, 0.003 * sizes.unit), n),
             "/bodies": self._meshes("/bodies", geometry.teardrop(length, width), n),
-            "/numbers": self._lines("/numbers", np.zeros((len(self._strokes), 2, 3)), colours.rgb("0a0d11"), 2.0),
+            "/numbers": self._lines("/numbers", np.zeros((len(self._strokes), 2, 3)), colours.rgb(palette.number), 2.0),
         }
-        self._nodes["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(colours.SLOT), (n, 1)))
+        self._nodes["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
+        self._ghost = GhostLayer(self._server.scene, n, sizes, palette)
+        self._nodes.update(self._ghost.nodes)
         for name in self._hidden:
             self._nodes[name].visible = False
         self._nodes["/bodies"].on_click(self._clicked_robot)
         self._nodes["/heads"].on_click(self._clicked_link)
 
     def _lines(self, name: str, points: FloatArray, colour: FloatArray, thickness: float) -> Any:
-        if colour.ndim == 1:
-            colour = np.broadcast_to(colour, points.shape)
-        return self._server.scene.add_line_segments(
-            name, points, colours.encode(colour), thickness=thickness, thickness_units="screen"
-        )
+        return nodes.lines(self._server.scene, name, points, colour, thickness)
 
     def _meshes(self, name: str, shape: tuple[FloatArray, geometry.Faces], count: int) -> Any:
-        return self._server.scene.add_batched_meshes_simple(
-            name,
-            shape[0],
-            shape[1],
-            np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
-            np.zeros((count, 3)),
-            batched_colors=np.zeros((count, 3), dtype=np.uint8),
-            lod="off",
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
+        return nodes.meshes(self._server.scene, name, shape, count)
 
     def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:
@@ -213,6 +229,11 @@ class Scene:
     def _clicked_link(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:
             self._on_link(event.instance_index + 1)
+
+
+def _bytes(text: str) -> tuple[int, int, int]:
+    red, green, blue = (int(text[i : i + 2], 16) for i in (0, 2, 4))
+    return red, green, blue
 
 
 def route(scenario: Scenario) -> FloatArray:

@@ -2,17 +2,17 @@
 
 from html import escape
 
-from dashboard import colours
 from dashboard.feed import Seen
 from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS, LinkView, oldest
+from dashboard.palette import DARK, hue
 from dashboard.words import FONT, MUTED, duration, length, light
 from network.messages import State
 
 TRACKING_LIMIT = 0.025
 """The centre is off its path from here on [m]."""
 
-_CARD = "background:rgba(128,140,160,.10);border-radius:4px"
+CARD = "background:rgba(128,140,160,.10);border-radius:4px"
 
 
 def head(seen: Seen, views: list[LinkView]) -> str:
@@ -40,7 +40,7 @@ def head(seen: Seen, views: list[LinkView]) -> str:
 def condition(seen: Seen) -> tuple[str, str, str]:
     """A word for how the run is, its colour, and a sentence if there is something to say."""
     state = seen.state
-    green, amber, red, grey = (f"#{c}" for c in (colours.OK, colours.WARN, colours.BAD, colours.GREY))
+    green, amber, red, grey = (f"#{c}" for c in (DARK.ok, DARK.warn, DARK.bad, DARK.muted))
     if not seen.connected:
         return "NO ROUTER", red, "The run's router is gone. This page comes back by itself when it does."
     if state is None:
@@ -67,7 +67,7 @@ def _tiles(state: State, views: list[LinkView]) -> str:
         ("OLDEST PLAN", *duration(age), age / LOST_SECONDS),
     )
     cells = "".join(
-        f'<div style="{_CARD};border-left:3px solid {light(level)};padding:5px 8px;min-width:0">'
+        f'<div style="{CARD};border-left:3px solid {light(level)};padding:5px 8px;min-width:0">'
         f'<div style="{MUTED};font-size:10px;letter-spacing:.04em;white-space:nowrap">{label}</div>'
         f'<div style="font-size:17px;font-weight:700;white-space:nowrap">{number}'
         f'<span style="{MUTED};font-size:11px;font-weight:400"> {unit}</span></div></div>'
@@ -85,11 +85,10 @@ def _chips(seen: Seen, views: list[LinkView]) -> str:
     for robot in range(1, n + 1):
         word = robot_word(state, robot)
         level = 1.0 if word != "OK" else views[robot - 2].level
-        hue = colours.identity(robot, n)
         name = f"R{robot}" if word == "OK" else f"R{robot} {word}"
         chips += (
-            f'<span style="{_CARD};border-bottom:2px solid {light(level)};padding:2px 4px;'
-            f'text-align:center;white-space:nowrap"><span style="color:#{hue}">●</span> {name}</span>'
+            f'<span style="{CARD};border-bottom:2px solid {light(level)};padding:2px 4px;'
+            f'text-align:center;white-space:nowrap"><span style="color:{hue(robot, n)}">●</span> {name}</span>'
         )
     return f'<div style="{grid};gap:4px;margin-top:6px;font-size:11px">{chips}</div>'
 
@@ -97,5 +96,5 @@ def _chips(seen: Seen, views: list[LinkView]) -> str:
 def robot_word(state: State, robot: int) -> str:
     """How a robot is, in a word."""
     if robot not in state.live:
-        return "LOST"
+        return "KILLED" if robot in state.dismissed else "LOST"
     return "HELD" if robot in state.stopped else "OK"

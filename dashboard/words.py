@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from html import escape
 
-from dashboard import colours
-
-MUTED = "color:#8b94a5"
+MUTED = "color:var(--muted)"
 FONT = "font-size:12px;line-height:1.35"
 LINE = "border-top:1px solid rgba(128,140,160,.15)"
 TABLE = "width:100%;border-collapse:collapse"
@@ -13,7 +11,7 @@ TABLE = "width:100%;border-collapse:collapse"
 
 def light(level: float) -> str:
     """Green, amber or red for a level of trouble: 0 none, 1 lost."""
-    return f"#{colours.OK}" if level < 0.5 else f"#{colours.WARN}" if level < 1.0 else f"#{colours.BAD}"
+    return "var(--ok)" if level < 0.5 else "var(--warn)" if level < 1.0 else "var(--bad)"
 
 
 def length(metres: float) -> tuple[str, str]:
@@ -58,13 +56,14 @@ def fault_words(fault: Mapping[str, object]) -> str:
 
 def legend() -> str:
     """What the lines of the scene mean."""
-    ramp = f"linear-gradient(90deg,#{colours.OK},#{colours.WARN},#{colours.BAD})"
+    ramp = "linear-gradient(90deg,var(--ok),var(--warn),var(--bad))"
     rows = (
-        ("border-top:3px solid #56b4e9;width:28px", "own plan, two seconds ahead"),
-        ("border-top:2px dashed #56b4e9;width:28px", "that plan as its neighbour still believes it"),
-        (f"border:2px solid #{colours.GREY};border-radius:50%;width:11px;height:11px", "where it should be"),
-        (f"background:{ramp};height:5px;width:28px;border-radius:2px", "edge: error 0…20 mm, arrow: age 0…500 ms"),
-        (f"border-top:2px dashed #{colours.BAD};width:28px", "no plan for half a second: lost"),
+        ("border-top:3px solid var(--r1);width:28px", "own plan, two seconds ahead"),
+        ("border-top:2px dashed var(--r1);width:28px", "that plan as its neighbour still believes it"),
+        ("border:2px solid var(--muted);border-radius:50%;width:11px;height:11px", "where it should be"),
+        (f"background:{ramp};height:5px;width:28px;border-radius:2px", "edge error to 20 mm, arrow age to 500 ms"),
+        ("border-top:2px dashed var(--bad);width:28px", "no plan for half a second: lost"),
+        ("border:1.5px dashed var(--ghost);border-radius:50%;width:11px;height:11px", "ghost: another controller"),
     )
     frame = "width:30px;display:flex;justify-content:center;flex:none"
     lines = "".join(
@@ -75,9 +74,12 @@ def legend() -> str:
     return f'<div style="font-size:11px;padding:0 10px 6px">{lines}</div>'
 
 
-def plot_title(name: str, unit: str, marks: tuple[tuple[str, str], ...]) -> str:
-    """The line above a plot: its name, its unit, and the colour and meaning of its series."""
-    series = "".join(f'<span style="color:{colour};margin-left:10px">● {text}</span>' for colour, text in marks)
+def plot_title(name: str, unit: str, marks: tuple[tuple[str, str, bool], ...]) -> str:
+    """The line above a plot: its name, its unit, and the colour and meaning of its lines, which may be dashed."""
+    series = "".join(
+        f'<span style="color:{colour};margin-left:10px">{"┅" if dashed else "●"} {text}</span>'
+        for colour, text, dashed in marks
+    )
     return (
         '<div style="display:flex;font-size:12px;padding:0 16px 0 10px;margin-bottom:-8px">'
         f'<b>{name}</b><span style="{MUTED};margin-left:8px">{unit}</span>'

@@ -12,7 +12,7 @@ ROUTER_PORT = 7447
 PAGE_PORT = 8090
 
 _HEAD = """\
-# Made by `echelon compose {words}`: router, world, one service per robot, dashboard.
+# Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
 # `docker compose up --build`, then open http://127.0.0.1:{port}. Only that port is published, on loopback.
 name: echelon
 
@@ -43,6 +43,7 @@ def plan(scenario: str, settings: Sequence[str]) -> Plan:
         listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
         settings=settings,
         endless=True,
+        ghost=True,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
     )
 

@@ -18,8 +18,14 @@ PROGRESS_TICKS = 50
 class Flight:
     """A flight of the scenario, tick by tick."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.world = World(scenario)
+    def __init__(self, scenario: Scenario, *, endless: bool = False) -> None:
+        """Everybody at the start.
+
+        Args:
+            scenario: what is flown.
+            endless: fly on past the duration, if the path is closed; then nothing is kept of what has happened.
+        """
+        self.world = World(scenario, endless=endless)
         self._team = Team(scenario) if scenario.controller.name == "centralised" else None
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)

@@ -7,6 +7,7 @@ from queue import Empty
 from types import TracebackType
 from typing import Any, Self
 
+from dashboard.access import Guard
 from fleet.compiling import ensure_compiled
 from fleet.processes import Plan, agent, programs
 from fleet.runs import Claim
@@ -21,7 +22,7 @@ from network.control import GetSummary
 from network.messages import State
 from network.session import Sample, Session
 
-WATCH_SECONDS = 0.1
+WATCH_SECONDS = 0.05
 
 
 _ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -59,7 +60,8 @@ class LiveRun:
         check_live(scenario.controller.name)
         self._scenario, self._tell = scenario, tell
         page = options.get("dashboard")
-        self._claim = Claim(name, page=f"http://{page[0]}:{page[1]}" if page else "")
+        address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
+        self._claim = Claim(name, page=address)
         self._plan = Plan(
             name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
         )
@@ -76,6 +78,7 @@ class LiveRun:
             self._supervisor.start(programs(self._plan, self._scenario))
             self._session = Session(self._plan.connect, self._plan.run)
             self._session.subscribe(keys.state(self._plan.run))
+            self._session.appear("launcher")
         except BaseException:
             self.__exit__(None, None, None)
             raise
@@ -111,7 +114,9 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            missing = set(self._state.waiting_for) & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
+            self._supervisor.keep_down(self._state.dismissed)
+            absent = set(self._state.waiting_for) - set(self._state.dismissed)
+            missing = absent & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
             self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
         return True
 

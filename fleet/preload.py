@@ -4,7 +4,8 @@ No Zenoh session may be opened here, and no thread may run: neither survives a f
 """
 
 import agents.process
+import fleet.ghost.process
 import network.session
 import world.process
 
-__all__ = ["agents", "network", "world"]
+__all__ = ["agents", "fleet", "network", "world"]

@@ -43,6 +43,10 @@ class Plan:
     """The run's private folder, which the router removes if nobody else can."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
+    ghost: bool = False
+    """Whether people may have another controller fly beside this one."""
+    token: str | None = None
+    """That browsers must bring; None on loopback."""
 
 
 def programs(plan: Plan, scenario: Scenario) -> list[Program]:
@@ -55,9 +59,11 @@ def programs(plan: Plan, scenario: Scenario) -> list[Program]:
     router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder else ())]
     found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]
     found += [agent(plan, number) for number in range(1, scenario.size + 1)]
+    if plan.ghost:
+        found.append(Program("ghost", 0, "fleet.ghost", common))
     if plan.dashboard is not None:
         host, port = plan.dashboard
-        where = ("--host", host, "--port", str(port))
+        where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
         found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
     return found
 

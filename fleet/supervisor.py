@@ -65,6 +65,17 @@ class Supervisor:
             process.start()
             self._running[program] = process
 
+    def keep_down(self, numbers: Iterable[int]) -> None:
+        """Kill the agents of these robots, and do not bring them back; `start` does."""
+        down = set(numbers)
+        for program in [program for program in self._again if program.role == "agent" and program.number in down]:
+            del self._again[program]
+        for program in [program for program in self._running if program.role == "agent" and program.number in down]:
+            process = self._running.pop(program)
+            process.kill()
+            process.join(STOP_SECONDS)
+            self._tell(f"{program.name} killed, as asked")
+
     def watch(self, seconds: float) -> int | None:
         """Look after the processes for some time. Returns the world's exit code once it has ended by itself.
 

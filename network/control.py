@@ -1,13 +1,17 @@
 """What people and programs may ask of the world: one model per operation, named in a Request."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
+from formation.controllers import ControllerName
 from formation.errors import EchelonError, unknown
+from formation.faults import Fault
 from formation.model import Duration, Model, NonNegative
 from formation.problems import problems
 from network.messages import Request
+
+Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
 class Start(Model):
@@ -72,12 +76,47 @@ class UseController(Model):
     controller: str
 
 
+class Kill(Model):
+    """Have the launcher end an agent without a goodbye; it stays down until `Restart`."""
+
+    robot: Robot
+
+
+class Restart(Model):
+    """Have the launcher start an agent that was killed, or replace one that lives."""
+
+    robot: Robot
+
+
+class Compare(Model):
+    """Fly a ghost beside the formation: the same scenario under a controller, on the same faults."""
+
+    controller: Literal[ControllerName, "off"]
+
+
 class Stop(Model):
     """End the run and its processes."""
 
 
 class GetSetup(Model):
     """Answered by a Setup instead of a Reply."""
+
+
+class GetFaults(Model):
+    """The reply's value is a FaultTables: which faults this flight has met so far, in parts."""
+
+    known: Annotated[int, Field(ge=0)] = 0
+    """Number of tables that are not wanted, because they are known."""
+
+
+class FaultTables(Model):
+    """Faults of a flight: from each stamp on, every link that was not perfect."""
+
+    epoch: int
+    changes: int
+    """How many tables there have been in this flight; one that is not here is had by asking again."""
+    tables: list[tuple[NonNegative, dict[str, Fault]]]
+    """The first table of all is that of the start."""
 
 
 class GetSummary(Model):
@@ -97,8 +136,12 @@ Operation = (
     | Clear
     | UseScenario
     | UseController
+    | Kill
+    | Restart
+    | Compare
     | Stop
     | GetSetup
+    | GetFaults
     | GetSummary
 )
 OPERATIONS: dict[str, type[Operation]] = {
@@ -112,8 +155,12 @@ OPERATIONS: dict[str, type[Operation]] = {
     "clear": Clear,
     "scenario": UseScenario,
     "controller": UseController,
+    "kill": Kill,
+    "restart": Restart,
+    "compare": Compare,
     "stop": Stop,
     "setup": GetSetup,
+    "faults": GetFaults,
     "summary": GetSummary,
 }
 _NAMES = {model: name for name, model in OPERATIONS.items()}

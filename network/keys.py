@@ -26,6 +26,11 @@ def state(run: str) -> str:
     return f"echelon/{run}/state"
 
 
+def ghost(run: str) -> str:
+    """What would be under another controller: Ghost."""
+    return f"echelon/{run}/ghost"
+
+
 def control(run: str) -> str:
     """Where the world answers Requests."""
     return f"echelon/{run}/control"

@@ -198,6 +198,8 @@ class State:
     status: RunStatus
     waiting_for: list[Sender]
     """Robots without a live agent."""
+    dismissed: list[Sender]
+    """Robots whose agents people have killed: the launcher keeps these down."""
     speed: NonNegative
     """Wished simulated seconds per second; 0 means as fast as possible."""
     pace: NonNegative
@@ -226,6 +228,27 @@ class State:
     """Every link that is not perfect, and how: keys of formation.faults.Fault that differ from its default."""
     events: list[Event]
     """The newest events, oldest first."""
+    compare: Text
+    """Controller that a ghost shall fly beside this one; empty for none."""
+    __pydantic_config__ = _STRICT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ghost:
+    """Ghost to people, after a State: the same flight at that stamp under another controller, on the same faults."""
+
+    sender: Sender
+    seq: Count
+    stamp: NonNegative
+    epoch: Count
+    controller: Text
+    poses: Poses
+    distance_errors: Numbers
+    """(n,) l_e [m]."""
+    angle_errors: Numbers
+    """(n,) psi_e [rad]."""
+    tracking_error: NonNegative
+    """[m]."""
     __pydantic_config__ = _STRICT
 
 
@@ -266,4 +289,4 @@ class Reply:
     __pydantic_config__ = _STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply

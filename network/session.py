@@ -126,6 +126,10 @@ class Session:
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
+    def keep(self, key: str, depth: int) -> "Kept":
+        """Payloads on this key are kept outside the inbox from now on, the newest `depth` of them."""
+        return Kept(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
+
     def unsubscribe(self, key: str) -> None:
         """No more samples on this key expression, which was subscribed to before."""
         self._subscribers.pop(key).undeclare()  # type: ignore[no-untyped-call]
@@ -219,6 +223,18 @@ class Session:
     def close(self) -> None:
         """Leave the network; never takes longer than CLOSE_SECONDS."""
         _close(self._session)
+
+
+class Kept:
+    """Payloads that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
+
+    def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
+        self._subscriber = subscriber
+
+    def take(self) -> Iterator[bytes]:
+        """Everything that has come in since the last look, oldest first."""
+        while (sample := self._subscriber.try_recv()) is not None:
+            yield sample.payload.to_bytes()
 
 
 class Router:

@@ -124,7 +124,7 @@ def test_settings_reach_the_world_and_the_number_of_robots() -> None:
 def test_the_same_processes_as_the_launcher_starts() -> None:
     """Only where they meet differs: endpoint, the run's folder, the page's host."""
     socket, page = "unixsock-stream/S", ("127.0.0.1", PAGE_PORT)
-    here = Plan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page)
+    here = Plan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page, ghost=True)
     places = ("--connect", "--listen", "--folder", "--host")
     launched = {
         service_name(program): ["python", "-m", program.module, *without(program.arguments, *places)]

@@ -1,11 +1,19 @@
 """Which fault is on which link, at which tick: the scenario's own, its schedule, and what people set live."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
+from formation.errors import FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, every_link, links_named, plan_links, with_changes
 from formation.scenario import Scenario
+
+KEPT_CHANGES = 5000
+"""Tables of faults that a flight remembers, for those who fly it again beside it."""
+TOLD_CHANGES = 25
+"""Of these in one answer: it then fits into a message even if all links of 64 robots have every key set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +38,11 @@ class FaultState:
     """Scheduled faults (by index) that people ended on a link."""
     _active: tuple[int, ...] | None = None
     """Scheduled faults that the table was made of; None if it must be made anew."""
+    _imposed: Mapping[str, Fault] | None = None
+    """In a world that repeats another's faults: the table."""
+    changes: int = 0
+    """How many tables there have been in this flight."""
+    _history: deque[tuple[float, Mapping[str, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
 
     def update(self, now: float) -> list[str]:
         """Bring the table to time `now` [s]. Returns a line per link that changed."""
@@ -38,7 +51,10 @@ class FaultState:
         if active == self._active and len(wishes) == len(self._wishes):
             return []
         self._active, self._wishes = active, wishes
-        before, self.table = self.table, self._made_of(active)
+        before, self.table = self.table, self._made_of(active) if self._imposed is None else self._imposed
+        if self.table != before or not self.changes:
+            self.changes += 1
+            self._history.append((now, self.table))
         return [
             f"{link}: {self.table.get(link, PERFECT).words()}"
             for link in sorted({*self.table, *before})
@@ -96,11 +112,28 @@ class FaultState:
         self._cancelled |= {(index, name) for index in running for name in links}
         self._active = None
 
+    def impose(self, table: Mapping[str, Fault]) -> None:
+        """Have exactly these faults from now on, whatever is scheduled: another world's."""
+        self._imposed, self._active = table, None
+
+    def since(self, known: int) -> list[tuple[float, Mapping[str, Fault]]]:
+        """The tables of this flight from number `known` on, TOLD_CHANGES at most, each with the time of its start [s].
+
+        Raises:
+            FaultError: they are no longer kept.
+        """
+        forgotten = self.changes - len(self._history)
+        if known < forgotten:
+            raise FaultError(f"expected at most {KEPT_CHANGES} changes of faults in a flight; got {self.changes}")
+        return list(islice(self._history, known - forgotten, known - forgotten + TOLD_CHANGES))
+
     def restart(self) -> None:
         """Time begins anew: the schedule is whole again; what people set without an end stays."""
         self._cancelled.clear()
         self._wishes = [wish for wish in self._wishes if wish.until is None]
         self._active = None
+        self._history.clear()
+        self.changes = 0
 
 
 def _on(entry: ScheduledFault, now: float) -> bool:

@@ -26,6 +26,8 @@ class Orders:
         self._ticks_left = 0  # of a Step
         self.stop = False
         """Whether the run shall end."""
+        self.compare = ""
+        """Controller that a ghost shall fly; empty for none."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
@@ -35,7 +37,8 @@ class Orders:
         world = self._world
         if world.finished:
             return "finished"
-        if not world.live or (world.k == 0 and self._roster.missing):
+        expected = set(self._roster.missing) - set(self._roster.dismissed)
+        if not world.live or (world.k == 0 and expected):
             return "waiting"
         return "running" if self._go else "paused"
 
@@ -81,6 +84,18 @@ class Orders:
                 self._use(load(name, settings))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
+            case control.Kill(robot=robot):
+                self._roster.dismiss(robot, for_good=True)
+                world.event("run", f"agent {robot} is killed and kept down")
+            case control.Restart(robot=robot):
+                kept = self._roster.readmit(robot)
+                if not kept:
+                    self._roster.dismiss(robot, for_good=False)
+                world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
+            case control.Compare(controller=name):
+                self.compare = "" if name == "off" else name
+            case control.GetFaults(known=known):
+                return self._faults_since(known)
             case control.Stop():
                 self.stop = True
             case control.GetSummary(warmup=warmup):
@@ -88,6 +103,12 @@ class Orders:
                 figures = {"wall_s": pace.wall, "overruns": pace.overruns, "rejected": self.rejected}
                 return {**world.summary(warmup=warmup), **figures}
         return {}
+
+    def _faults_since(self, known: int) -> dict[str, Any]:
+        world = self._world
+        tables = world.faults.since(known)
+        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
+        return {"epoch": world.epoch, "changes": world.faults.changes, "tables": told}
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)

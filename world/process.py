@@ -169,6 +169,8 @@ class Driver:
                 self._take_query(item)
             case Presence("agent", robot, here):
                 (self._roster.appear if here else self._roster.disappear)(robot)
+            case Presence("launcher", _, here):
+                self._roster.launcher = here
             case _:
                 pass
 
@@ -237,5 +239,7 @@ class Driver:
             overruns=self._pace.overruns,
             rejected=self._rejects.count,
             waiting_for=self._roster.missing,
+            dismissed=self._roster.dismissed,
+            compare=self._orders.compare,
         )
         self._session.publish(self._keys["state"], state)

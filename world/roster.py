@@ -2,6 +2,7 @@
 
 from time import monotonic
 
+from formation.errors import EchelonError
 from network.session import Session
 from world.world import World
 
@@ -19,6 +20,51 @@ class Roster:
         self._present: set[int] = set()
         self._suspects: dict[int, float] = {}
         self._router_lost: float | None = None
+        self._dismissed: set[int] = set()
+        self._returning: set[int] = set()
+        self.launcher = False
+        """Whether somebody is there who ends and starts agents."""
+
+    @property
+    def dismissed(self) -> list[int]:
+        """Robots whose agents the launcher is to keep down."""
+        return sorted(self._dismissed & set(self._world.robots))
+
+    def dismiss(self, robot: int, *, for_good: bool) -> None:
+        """Have the launcher end an agent.
+
+        Args:
+            robot: whose agent.
+            for_good: whether it stays down until `readmit`; else it may come back as soon as it is gone.
+
+        Raises:
+            EchelonError: there is no such robot, or no launcher.
+        """
+        self._check(robot)
+        if for_good:
+            self._returning.discard(robot)
+        elif robot in self._present:
+            self._returning.add(robot)
+        else:  # the launcher is about to bring it back anyway
+            return
+        self._dismissed.add(robot)
+
+    def readmit(self, robot: int) -> bool:
+        """Have the launcher start an agent again. Whether it was kept down. Raises EchelonError like `dismiss`."""
+        self._check(robot)
+        kept = robot in self._dismissed - self._returning
+        if kept:
+            self._dismissed.discard(robot)
+        return kept
+
+    def _check(self, robot: int) -> None:
+        if robot not in self._world.robots:
+            raise EchelonError(f"expected a robot of the scenario, 1 to {self._world.scenario.size}; got {robot}")
+        if not self.launcher:
+            raise EchelonError(
+                "nobody here can end or start agents: this run was not started by `echelon up`. "
+                f"With compose: docker compose kill agent-{robot}, and docker compose start agent-{robot}"
+            )
 
     @property
     def missing(self) -> list[int]:
@@ -42,6 +88,9 @@ class Roster:
             del self._suspects[robot]
             if robot not in self._present and self.reachable():
                 self.lose(robot, "lost")
+                if robot in self._returning:  # it was to be replaced, and now it is gone
+                    self._returning.discard(robot)
+                    self._dismissed.discard(robot)
 
     def gain(self, robot: int) -> None:
         """An agent is there, or answers again."""

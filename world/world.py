@@ -11,7 +11,7 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.errors import WireError
-from formation.faults import PERFECT
+from formation.faults import PERFECT, Fault
 from formation.measures import pattern_errors, tracking_error
 from formation.pattern import upstream
 from formation.reference import Reference
@@ -205,6 +205,11 @@ class World:
         self.faults.clear(link, self.now)
         self._apply_faults()
 
+    def impose_faults(self, table: Mapping[str, Fault]) -> None:
+        """Have exactly these faults from the next tick on: this world repeats another's."""
+        self.faults.impose(table)
+        self._apply_faults()
+
     def event(self, kind: Any, text: str) -> None:
         """Note something for people."""
         self._event_count += 1
@@ -253,6 +258,8 @@ class World:
         overruns: int = 0,
         rejected: int = 0,
         waiting_for: Iterable[int] = (),
+        dismissed: Iterable[int] = (),
+        compare: str = "",
     ) -> State:
         """Everything that is worth showing; the arguments are what only the driver knows."""
         block = self._reference.block(self.k)
@@ -271,6 +278,7 @@ class World:
             mode=self.mode,
             status=status,
             waiting_for=list(waiting_for),
+            dismissed=list(dismissed),
             speed=speed,
             pace=pace,
             overruns=overruns,
@@ -285,4 +293,5 @@ class World:
             stopped=sorted(self._held),
             faults=self._plain_faults(),
             events=list(self.events)[-SHOWN_EVENTS:],
+            compare=compare,
         )

@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,8 +39,9 @@ PIXEL = """([x, y, z]) => {
 class Driven:
     """One page of the dashboard."""
 
-    def __init__(self, browser: "Browser", url: str) -> None:
-        self.url = url
+    def __init__(self, browser: "Browser", url: str, *, token: str | None = None) -> None:
+        """Open it, with a token if it wants one."""
+        self.url, self._token = url, token
         self.errors: list[str] = []
         self.requests: list[str] = []
         self.page = browser.new_page(viewport={"width": 1120, "height": 640})
@@ -58,8 +60,8 @@ class Driven:
     def open(self, url: str) -> None:
         """Load the page and wait until it shows robots."""
         self.url = url
-        self.page.goto(f"{url}/?fixedDpr=1")
-        self.page.wait_for_function(READY, timeout=60_000, polling=100)
+        self.page.goto(f"{url}/?fixedDpr=1" + (f"&token={self._token}" if self._token else ""))
+        self.page.wait_for_function(READY, timeout=120_000, polling=100)
 
     def text(self) -> str:
         """All that can be read."""
@@ -80,6 +82,47 @@ class Driven:
         """Click a button."""
         _click(self.page.get_by_role("button", name=name, exact=True))
         self.page.wait_for_timeout(THROTTLE_MS)
+
+    def tap(self, name: str) -> None:
+        """Press a cell of a table, such as "link 2" or "kill 1"."""
+        cell = self.page.locator(f'[data-tap][aria-label="{name}"]')
+        cell.wait_for(state="attached", timeout=20_000)
+        cell.dispatch_event("pointerdown")
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def show(self, tab: str) -> None:
+        """Open a tab of the right panel."""
+        self.page.get_by_role("tab", name=tab, exact=True).click(force=True)
+
+    def take(self, name: str, into: Path) -> Path:
+        """Press a button that gives a file, and keep it."""
+        with self.page.expect_download(timeout=60_000) as download:
+            self.press(name)
+        path = into / download.value.suggested_filename
+        download.value.save_as(path)
+        return path
+
+    @property
+    def look(self) -> str:
+        """What the page is dressed in: "dark" or "light"."""
+        return str(self.page.locator("html").get_attribute("data-mantine-color-scheme"))
+
+    @property
+    def plots_are_whole(self) -> bool:
+        """Whether every plot shows all the time that it has, with more than one moment in it."""
+        return bool(
+            self.page.evaluate(
+                """() => Object.values(window.__viserTestpoints.uplots).every(({chart}) => {
+                  const t = chart.data[0], x = chart.scales.x;
+                  return t.length > 2 && Math.abs(x.min - t[0]) + Math.abs(x.max - t[t.length - 1]) < 1;
+                })"""
+            )
+        )
+
+    @property
+    def lost(self) -> bool:
+        """Whether the page says that its server is gone."""
+        return "waits" in self.page.evaluate("getComputedStyle(document.body, '::after').content")
 
     def _id(self, label: str) -> str:
         found = self.page.locator(f'label:text-is("{label}")').get_attribute("for")

@@ -12,7 +12,7 @@ from typing import IO, Self
 from network import keys
 from network.codec import decode
 from network.control import Operation
-from network.messages import State
+from network.messages import Ghost, State
 from network.session import Sample, Session
 
 ROOT = Path(__file__).parents[2]
@@ -31,6 +31,7 @@ class Flight:
         self.start("world", "world", *self._run, "--scenario", scenario, "--endless")
         for robot in range(1, (robots if agents is None else agents) + 1):
             self.start_agent(robot)
+        self.start("ghost", "fleet.ghost", *self._run)
         self.url = self.start_dashboard()
 
     def _wait_for(self, socket: Path, seconds: float = 60.0) -> None:
@@ -84,6 +85,15 @@ class Flight:
                 item = session.inbox.get(timeout=seconds)
                 if isinstance(item, Sample):
                     return decode(State, item.payload)
+
+    def ghost(self, seconds: float = 10.0) -> Ghost:
+        """What the ghost says next."""
+        with Session(self.endpoint, RUN) as session:
+            session.subscribe(keys.ghost(RUN))
+            for item in session.incoming(seconds):
+                if isinstance(item, Sample):
+                    return decode(Ghost, item.payload)
+        raise AssertionError("the ghost says nothing")
 
     def ask(self, operation: Operation) -> None:
         """Have the world do something, as another page would."""

@@ -1,16 +1,23 @@
 """The dashboard in a browser, on a real run of three robots. One run and one page for all tests of the module."""
 
+import csv
 import os
+import re
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+import imageio.v3 as images
 import numpy as np
 import pytest
 
 from dashboard import colours
+from dashboard.palette import DARK, LIGHT, Palette
+from formation.arrays import FloatArray
 from network.control import SetFault, UseController
 from tests.browser.driven import Driven
 from tests.browser.flight import ROOT, RUN, Flight
@@ -58,18 +65,112 @@ def test_the_page_comes_up_without_errors_or_requests_elsewhere(page: Driven) ->
 
 def test_robots_are_where_the_world_says(page: Driven, flight: Flight) -> None:
     page.press("Follow")
-    page.page.wait_for_timeout(700)
     page.press("Pause")
     page.wait_text("PAUSED")
-    page.page.wait_for_timeout(700)
-    state = flight.state()
-    np.testing.assert_allclose(page.bodies()[:, :2], state.poses[:, :2], atol=1e-5)
-    for robot, (x, y, heading) in enumerate(state.poses, start=1):
+    poses = flight.state().poses
+    page.until(lambda: np.allclose(page.bodies()[:, :2], poses[:, :2], atol=1e-5), "robots where the world has them")
+    page.until(lambda: painted(page, poses, DARK), "robots in their colours")
+    page.press("Fit")
+
+
+def painted(page: Driven, poses: FloatArray, palette: Palette) -> bool:
+    """Whether the picture has every robot's colour at its nose."""
+    for robot, (x, y, heading) in enumerate(poses, start=1):
         nose = np.array([x + 0.022 * np.cos(heading), y + 0.022 * np.sin(heading), 0.006])
         _, colour = page.pixel(nose)
-        asked = 255.0 * colours.rgb(colours.identity(robot, 3))
-        assert np.abs(colour - asked).max() < 60.0, f"robot {robot}: expected about {asked}; got {colour}"
+        if np.abs(colour - 255.0 * colours.rgb(colours.identity(robot, 3, palette))).max() > 60.0:
+            return False
+    return True
+
+
+def test_a_light_page_is_light_all_over(page: Driven, flight: Flight) -> None:
+    page.press("Follow")
+    page.press("Pause")
+    page.wait_text("PAUSED")
+    poses = flight.state().poses
+    page.tick("Light", True)
+    page.until(lambda: page.look == "light", "light panels")
+    page.until(lambda: painted(page, poses, LIGHT), "robots in the light look's colours")
+    page.until(lambda: page.plots_are_whole, "plots over all the time")
+    page.tick("Light", False)
+    page.until(lambda: page.look == "dark" and painted(page, poses, DARK), "the dark look again")
     page.press("Fit")
+
+
+def test_a_cell_of_the_link_matrix_aims_the_faults(page: Driven, flight: Flight) -> None:
+    page.tap("link 2")
+    page.until(lambda: page.chosen("Target") == "2 → 3", "target 2->3")
+    page.tap("both 1")
+    page.until(lambda: page.chosen("Target") == "Robot 1: from and to", "target robot 1")
+    page.tick("Cut", True)
+    page.until(lambda: flight.state().faults == {"1->2": {"cut": True}, "3->1": {"cut": True}}, "both links cut")
+    page.tap("all 0")
+    page.until(lambda: page.chosen("Target") == "All links", "target all")
+
+
+def test_two_pages_agree(browser: "Browser", page: Driven, flight: Flight) -> None:
+    other = Driven(browser, flight.url)
+    page.tap("link 1")
+    page.tick("Cut", True)
+    other.wait_text(r"1→2\s+cut")
+    other.until(lambda: other.ticked("Cut") and other.chosen("Target") == "1 → 2", "the cut on the other page")
+    other.press("Pause")
+    page.wait_text("PAUSED")
+    assert page.page.get_by_role("button", name="Start", exact=True).count() == 1
+    stamp = flight.state().stamp
+    for each in (page, other):
+        each.wait_text(re.escape(f"t = {stamp:.1f} s"))
+    assert other.errors == []
+    other.page.close()
+
+
+def test_where_nobody_can_kill_an_agent_the_page_says_so(page: Driven, flight: Flight) -> None:
+    page.show("Robots")
+    page.tap("kill 1")
+    page.wait_text(r"Kill agent 1\?")
+    page.press("Kill 1")
+    page.wait_text("nobody here can end or start agents")
+    assert flight.state().dismissed == []
+    page.show("Live")
+
+
+def test_what_is_taken_away_is_named_and_whole(
+    browser: "Browser", page: Driven, flight: Flight, tmp_path: Path
+) -> None:
+    flight.ask(SetFault(link="1->2", changes={"latency": 0.05}))
+    name = rf"echelon_{RUN}_triangle-circle_[a-z_]+_t\d+\.\ds\.(html|csv|png)"
+    replay, plots, picture = (page.take(what, tmp_path) for what in ("Replay", "CSV", "Picture"))
+    for path in (replay, plots, picture):
+        assert re.fullmatch(name, path.name), path.name
+    rows = list(csv.DictReader(plots.read_text().splitlines()))
+    assert float(rows[-1]["t_s"]) > float(rows[0]["t_s"])
+    assert any("1->2: latency" in row["events"] for row in rows)
+    image = images.imread(picture)
+    view = page.page.locator("canvas[data-engine]").bounding_box()
+    assert view is not None
+    assert abs(image.shape[1] - view["width"]) <= 2
+    assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 20, "not one colour"
+    _plays_alone(browser, replay)
+
+
+def _plays_alone(browser: "Browser", replay: Path) -> None:
+    """From the file alone, asking nothing of any network, and it moves."""
+    alone, asked, errors = browser.new_page(), list[str](), list[str]()
+    alone.on("request", lambda request: asked.append(request.url))
+    alone.on("pageerror", lambda error: errors.append(str(error)))
+    alone.on("console", lambda message: errors.append(message.text))
+    alone.goto(replay.as_uri())
+    before = alone.evaluate("document.getElementById('scene').toDataURL()")
+    alone.select_option("#speed", "20")
+    alone.click("#play")
+    end = time.monotonic() + 30.0
+    while alone.evaluate("playing || now === 0"):  # its own policy forbids what wait_for_function does
+        assert time.monotonic() < end, "it does not play to its end"
+        alone.wait_for_timeout(60)
+    assert alone.evaluate("document.getElementById('scene').toDataURL()") != before
+    assert "triangle-circle" in alone.locator("#about").inner_text()
+    assert (asked, errors) == ([replay.as_uri()], [])
+    alone.close()
 
 
 def test_pause_stops_motion_and_start_goes_on(page: Driven) -> None:
@@ -134,9 +235,11 @@ def test_a_dashboard_that_is_started_again_shows_the_faults_in_force(page: Drive
     page.tick("Cut", True)
     page.wait_text(r"2→3\s+cut")
     flight.end("dashboard", kill=True)
+    page.until(lambda: page.lost, "word that the server is gone")
     flight.url = flight.start_dashboard(urlsplit(page.url).port or 0)
     page.open(flight.url)
     page.wait_text(r"2→3\s+cut")
+    assert not page.lost
     page.until(lambda: page.number("Loss %") == "25" and page.ticked("Cut"), "the faults on the panel")
 
 

@@ -39,6 +39,35 @@ def test_a_killed_agent_is_noticed_its_robot_stops_and_it_comes_back(up: Start) 
     run.end()
 
 
+def test_an_agent_that_a_person_kills_stays_down_until_it_is_restarted(up: Start, runs: Path) -> None:
+    run = up("--no-dashboard")
+    run.flying()
+    pid = run.pid("agent 2")
+
+    def agents() -> list[int]:
+        titles = [process.cmdline()[:1] for process in processes(runs)]
+        return [i for i in (1, 2, 3) if [f"echelon test: agent {i}"] in titles]
+
+    for _ in range(2):
+        echelon("control", "kill", "2")
+        wait_for(lambda: (s := run.status()) and s["live"] == [1, 3] and s["dismissed"] == [2])
+        assert agents() == [1, 3]
+        before = run.status()["stamp"]
+        wait_for(lambda: run.status()["stamp"] > before + 0.5)  # noqa: B023
+        assert run.status()["stopped"] == [2]
+        assert agents() == [1, 3]
+        echelon("control", "restart", "2")
+        wait_for(lambda: run.status()["live"] == [1, 2, 3])
+        assert run.status()["dismissed"] == []
+    fresh = run.pid("agent 2")
+    assert fresh != pid
+    echelon("control", "restart", "2")  # one that lives is replaced
+    wait_for(lambda: run.pid("agent 2") != fresh and run.status()["live"] == [1, 2, 3])
+    assert "expected a number" in echelon("control", "kill", "two", check=2).stderr
+    assert "1 to 3; got 4" in echelon("control", "kill", "4", check=2).stderr
+    run.end()
+
+
 def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
     run = up("--no-dashboard")
     before = run.flying()

@@ -1,0 +1,70 @@
+"""How long a press on the page takes until the page shows what the world made of it.
+
+.venv/bin/python -m benchmarks.controls [--times 5] [--chromium /usr/bin/chromium]
+
+Starts a run of three robots and a browser; needs the test packages. Without a graphics card a good part of the time is
+the browser drawing.
+"""
+
+import argparse
+from statistics import median
+
+from playwright.sync_api import sync_playwright
+
+from tests.browser.conftest import FLAGS
+from tests.browser.driven import Driven
+from tests.browser.flight import Flight
+
+GOAL_MS = 200.0
+MEASURE = """async ([press, shown]) => {
+  const started = performance.now();
+  Function(press)();
+  const seen = Function("return " + shown);
+  while (!seen()) {
+    if (performance.now() - started > 20000) return NaN;
+    await new Promise(next => setTimeout(next, 1));
+  }
+  return performance.now() - started;
+}"""
+BUTTON = "[...document.querySelectorAll('button')].find(b => b.textContent.trim() === '{}')"
+BOX = "document.getElementById([...document.querySelectorAll('label')].find(l => l.textContent === '{}').htmlFor)"
+CELL = "document.querySelector('[aria-label=\"{}\"]').dispatchEvent(new PointerEvent('pointerdown', {{bubbles: true}}))"
+SAYS = "document.body.innerText.includes('{}')"
+
+
+def controls() -> list[tuple[str, str, str]]:
+    """Name, what is done, and what shows that it was; each undoes the one before."""
+    press, box = BUTTON.format, BOX.format
+    return [
+        ("Pause", f"{press('Pause')}.click()", SAYS.format("PAUSED")),
+        ("Start", f"{press('Start')}.click()", SAYS.format("RUNNING")),
+        ("cell of the link matrix", CELL.format("link 2"), f"{box('Target')}.value === '2 → 3'"),
+        ("Cut", f"{box('Cut')}.click()", SAYS.format("2→3 cut")),
+        ("Clear this target", f"{press('Clear this target')}.click()", SAYS.format("No faults")),
+        ("corner of the link matrix", CELL.format("all 0"), f"{box('Target')}.value === 'All links'"),
+        ("Reset", f"{press('Reset')}.click()", SAYS.format("t = 0.")),
+    ]
+
+
+def main() -> None:
+    """Press each control some times; print the medians."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--times", type=int, default=5)
+    parser.add_argument("--chromium", default="/usr/bin/chromium")
+    options = parser.parse_args()
+    found: dict[str, list[float]] = {}
+    with Flight("triangle-circle", robots=3) as flight, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
+        driven = Driven(browser, flight.url)
+        driven.wait_text(r"t = [3-9]")
+        for _ in range(options.times):
+            for name, press, shown in controls():
+                found.setdefault(name, []).append(float(driven.page.evaluate(MEASURE, [press, shown])))
+                driven.page.wait_for_timeout(120)
+        browser.close()
+    for name, times in found.items():
+        print(f"{name:26} median {median(times):5.0f} ms, slowest {max(times):5.0f} ms (goal {GOAL_MS:.0f} ms)")
+
+
+if __name__ == "__main__":
+    main()

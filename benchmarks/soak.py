@@ -1,0 +1,185 @@
+"""The dashboard under a long run: processor time, memory, the page's heap, frames.
+
+python -m benchmarks.soak [--minutes 20] [--robots 20] [--compare CONTROLLER] [--json]
+
+Starts `echelon up` as a user would, opens its page in a headless chromium without a graphics card, and measures the
+dashboard's process. Its load is told in processor time (user and system), which other jobs on the machine disturb
+little; frames per second are of the wall clock, and do suffer.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import viser  # noqa: TID251  only for the version that its web socket wants to hear
+from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
+from websockets.sync.client import connect
+from websockets.typing import Origin, Subprotocol
+
+from fleet.compiling import ensure_compiled
+from fleet.runs import find
+from network import keys
+from network.codec import decode
+from network.control import Compare
+from network.messages import State
+from network.session import Sample, Session
+from tests.browser.conftest import FLAGS
+from tests.browser.driven import READY
+
+RUN = "soak"
+WARM_UP_SECONDS = 60.0
+"""Caches fill, plots reach their length."""
+SAMPLES = 20
+FRAME_SECONDS = 10.0
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--minutes", type=float, default=20.0, help="of measurement, after a minute of warming up")
+    parser.add_argument("--robots", type=int, default=20)
+    parser.add_argument("--compare", metavar="CONTROLLER", help="with a ghost beside it")
+    parser.add_argument("--chromium", default="/usr/bin/chromium")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    ensure_compiled(print)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # and leave no process behind
+    with tempfile.TemporaryDirectory(prefix="ech") as folder, sync_playwright() as playwright:
+        os.environ["ECHELON_RUNS"] = folder
+        with _up(options.robots, Path(folder)) as address:
+            if options.compare:
+                with Session(find(RUN).endpoint, RUN) as session:
+                    session.ask(Compare(controller=options.compare))
+            browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
+            figures = _measure(browser, address, options.minutes)
+            figures |= {"robots": options.robots, "minutes": options.minutes, "ghost": options.compare or ""}
+            browser.close()
+    if options.json:
+        print(json.dumps(figures))
+        return
+    _print(figures)
+
+
+def _print(figures: dict[str, Any]) -> None:
+    print(f"{figures['robots']} robots, one page, {figures['minutes']:g} minutes:")
+    print(
+        f"dashboard: {figures['cpu_percent']:.1f} % of a core (processor time), "
+        f"while the run went at {figures['pace']:.2f} x real time"
+    )
+    for name, text in (("rss", "dashboard's RSS"), ("pss", "dashboard's PSS"), ("heap", "page's heap after GC")):
+        first, last, slope = (figures[f"{name}_{part}"] for part in ("first_mb", "last_mb", "slope_mb_per_hour"))
+        print(f"{text}: {first:.1f} MB, at the end {last:.1f} MB; slope {slope:+.1f} MB/h")
+    print(
+        f"frames: {figures['frames_sent_per_s']:.1f} a second sent, {figures['frames_drawn_per_s']:.1f} drawn by the "
+        f"page (software rendering); machine load {figures['load']:.1f} on {os.cpu_count()} cores"
+    )
+
+
+@contextlib.contextmanager
+def _up(robots: int, folder: Path) -> Iterator[str]:
+    """A run with a page; gives its address."""
+    words = ["up", "ring-16", "--set", f"formation.robots={robots}", "--run", RUN, "--port", "0"]
+    with (folder / "log").open("w+") as log:
+        up = subprocess.Popen([sys.executable, "-m", "cli.main", *words], stdout=log, stderr=log)
+        try:
+            yield _address(folder / "log", up)
+        finally:
+            up.terminate()
+            up.wait(30)
+
+
+def _address(log: Path, up: "subprocess.Popen[bytes]") -> str:
+    while not (found := re.search(r"dashboard: (http://\S+)", log.read_text())):
+        if up.poll() is not None:
+            raise SystemExit(f"echelon up ended early: {log.read_text()}")
+        time.sleep(0.2)
+    return found[1]
+
+
+def _measure(browser: Browser, address: str, minutes: float) -> dict[str, Any]:
+    dashboard = _process("dashboard")
+    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    page.goto(f"{address}/?fixedDpr=1")
+    page.wait_for_function(READY, timeout=120_000, polling=200)
+    page.wait_for_timeout(1e3 * min(WARM_UP_SECONDS, 20.0 * minutes))
+    tools = page.context.new_cdp_session(page)
+    rows, loads = [_row(dashboard, tools)], []
+    cpu, drawn, simulated, began = _cpu(dashboard), _drawn(page), _stamp(), time.monotonic()
+    for _ in range(SAMPLES):
+        page.wait_for_timeout(60e3 * minutes / SAMPLES)
+        rows.append(_row(dashboard, tools))
+        loads.append(os.getloadavg()[0])
+    seconds = time.monotonic() - began
+    figures = {"cpu_percent": 100.0 * (_cpu(dashboard) - cpu) / seconds, "load": float(np.mean(loads))}
+    figures["pace"] = (_stamp() - simulated) / seconds
+    figures["frames_drawn_per_s"] = (_drawn(page) - drawn) / seconds
+    figures["frames_sent_per_s"] = _sent(address)
+    table = np.array(rows)
+    for column, name in enumerate(("rss", "pss", "heap"), start=1):
+        slope = np.polynomial.Polynomial.fit(table[:, 0], table[:, column], 1).convert().coef[1]
+        figures[f"{name}_first_mb"], figures[f"{name}_last_mb"] = table[0, column], table[-1, column]
+        figures[f"{name}_slope_mb_per_hour"] = 3600.0 * slope
+        figures[f"{name}_mb"] = table[:, column].round(2).tolist()
+    return figures
+
+
+def _process(title: str) -> psutil.Process:
+    for process in psutil.process_iter():
+        with contextlib.suppress(psutil.Error):
+            if process.cmdline()[:1] == [f"echelon {RUN}: {title}"]:
+                return process
+    raise SystemExit(f"there is no process {title}")
+
+
+def _row(dashboard: psutil.Process, tools: CDPSession) -> tuple[float, float, float, float]:
+    """Time [s], RSS and PSS of the dashboard, the page's heap after a collection [MB]."""
+    tools.send("HeapProfiler.collectGarbage")
+    heap = tools.send("Runtime.getHeapUsage")["usedSize"]
+    memory = dashboard.memory_full_info()
+    return time.monotonic(), memory.rss / 1e6, memory.pss / 1e6, heap / 1e6
+
+
+def _stamp() -> float:
+    """Simulated time of the run [s]."""
+    with Session(find(RUN).endpoint, RUN) as session:
+        session.subscribe(keys.state(RUN))
+        while True:
+            item = session.inbox.get(timeout=30.0)
+            if isinstance(item, Sample):
+                return decode(State, item.payload).stamp
+
+
+def _cpu(process: psutil.Process) -> float:
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
+def _drawn(page: Page) -> int:
+    return int(page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
+
+
+def _sent(address: str) -> float:
+    """Updates that the dashboard sends to a client that is quick to read, a second."""
+    protocol = [Subprotocol(f"viser-v{viser.__version__}")]
+    with connect(address.replace("http", "ws"), origin=Origin(address), subprotocols=protocol, max_size=None) as socket:
+        count, began = -1, time.monotonic()
+        while (passed := time.monotonic() - began) < FRAME_SECONDS + 2.0:
+            socket.recv(timeout=10.0)
+            count += passed > 2.0  # first the scene as it is, in many parts
+    return (count + 1) / FRAME_SECONDS
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""The ghost in words: how the live flight does beside it."""
+
+from html import escape
+
+from dashboard.ghost import FAR_BEHIND, VERDICT_SECONDS, Verdict, verdicts
+from dashboard.history import History
+from dashboard.summary import CARD
+from dashboard.words import FONT, MUTED, length
+from network.messages import State
+
+_GRID = "display:grid;grid-template-columns:auto 1fr 1fr 1fr;gap:2px 8px;font-size:11px;padding:6px 8px"
+_GHOST = "color:var(--ghost)"
+
+
+def comparison(state: State, history: History) -> str:
+    """A line per error: live, ghost, and how much better the live one is; empty while nobody compares."""
+    if not state.compare:
+        return ""
+    found = verdicts(history.series())
+    if not found:
+        return f'<div style="{FONT};{MUTED};padding:0 14px 6px 10px">{escape(_waiting(state, history))}</div>'
+    head = (f"RMS, {VERDICT_SECONDS:.0f} s", state.controller, f"┅ {state.compare}", "")
+    rows = _row(head, "") + "".join(_verdict(verdict) for verdict in found)
+    return f'<div style="padding:0 14px 8px 10px"><div style="{CARD};{_GRID}">{rows}</div></div>'
+
+
+def _waiting(state: State, history: History) -> str:
+    ghost = history.ghost.newest
+    if ghost is not None and ghost.stamp < state.stamp - FAR_BEHIND:
+        return f"The ghost flies after it from the start: {ghost.stamp:.0f} of {state.stamp:.0f} s."
+    return "Waiting for the ghost."
+
+
+def _verdict(verdict: Verdict) -> str:
+    live, ghost = (" ".join(length(1e-3 * value)) for value in (verdict.live, verdict.ghost))
+    tone = {"better": "ok", "worse": "bad"}.get(verdict.words.split()[-1], "muted")
+    return _row((verdict.name, live, ghost, verdict.words), f"color:var(--{tone});font-weight:700")
+
+
+def _row(cells: tuple[str, str, str, str], last: str) -> str:
+    styles = (MUTED, "text-align:right", f"text-align:right;{_GHOST}", f"text-align:right;{last}")
+    return "".join(
+        f'<span style="white-space:nowrap;{style}">{escape(cell)}</span>'
+        for style, cell in zip(styles, cells, strict=True)
+    )

@@ -1,0 +1,160 @@
+"""A run that `echelon up` started, on a page that wants a token: agents are killed and come back."""
+
+import functools
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import pytest
+
+from fleet.compiling import ensure_compiled
+from network import keys
+from network.codec import decode
+from network.messages import State
+from network.session import Sample, Session
+from tests.browser.driven import Driven
+from tests.browser.flight import ROOT
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = [pytest.mark.browser, pytest.mark.processes]
+TOKEN = "a-token-for_the-test"
+RUN = "launched"
+
+
+class Launched:
+    """`echelon up` with two robots."""
+
+    def __init__(self, folder: str) -> None:
+        words = ["up", "circle", "--run", RUN, "--port", "0", "--token", TOKEN]
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "cli.main", *words],
+            cwd=ROOT,
+            text=True,
+            env={**os.environ, "ECHELON_RUNS": folder},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        self.endpoint = f"unixsock-stream/{folder}/{RUN}/router.sock"
+
+    @functools.cached_property
+    def url(self) -> str:
+        """The page's address, without its token."""
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        found = re.fullmatch(rf"dashboard: (http://127\.0\.0\.1:\d+)/\?token={TOKEN}\n", line)
+        assert found, f"expected the dashboard's address with its token; got {line!r}"
+        return found[1]
+
+    def state(self) -> State:
+        """What the world says now."""
+        with Session(self.endpoint, RUN) as session:
+            session.subscribe(keys.state(RUN))
+            while True:
+                item = session.inbox.get(timeout=10.0)
+                if isinstance(item, Sample):
+                    return decode(State, item.payload)
+
+    def end(self) -> None:
+        """As with Ctrl-C."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(20)
+        finally:
+            self._process.kill()
+            assert self._process.stdout is not None
+            self._process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def launched(browser: "Browser") -> Iterator[Launched]:
+    ensure_compiled(print)
+    with tempfile.TemporaryDirectory(prefix="ech") as folder:
+        run = Launched(folder)
+        try:
+            yield run
+        finally:
+            run.end()
+
+
+@pytest.fixture(scope="module")
+def page(browser: "Browser", launched: Launched) -> Iterator[Driven]:
+    driven = Driven(browser, launched.url, token=TOKEN)
+    yield driven
+    driven.page.close()
+
+
+def test_the_first_visit_leaves_a_strict_cookie_and_no_token_in_the_address(page: Driven, launched: Launched) -> None:
+    assert page.page.url == f"{launched.url}/?fixedDpr=1"
+    (cookie,) = page.page.context.cookies()
+    assert cookie["name"] == f"echelon-{urlsplit(launched.url).port}"
+    assert (cookie["httpOnly"], cookie["sameSite"]) == (True, "Strict")
+    assert page.errors == []
+
+
+def test_without_the_token_the_page_says_what_to_do(browser: "Browser", launched: Launched) -> None:
+    import viser
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+    from websockets.typing import Origin, Subprotocol
+
+    stranger = browser.new_page()
+    for path in ("", "/?token=wrong", "/index.html"):
+        answer = stranger.goto(launched.url + path)
+        assert answer is not None
+        assert answer.status == 401
+        assert "echelon status" in stranger.locator("body").inner_text()
+    assert stranger.context.cookies() == []
+    stranger.close()
+    address, protocol = launched.url.replace("http", "ws"), [Subprotocol(f"viser-v{viser.__version__}")]
+    cookie = {"Cookie": f"echelon-{urlsplit(launched.url).port}={TOKEN}"}
+    for origin, headers, code in ((launched.url, {}, 401), ("http://evil.example", cookie, 403)):
+        with pytest.raises(InvalidStatus, match=str(code)):
+            connect(address, origin=Origin(origin), subprotocols=protocol, additional_headers=headers)
+    own = Origin(launched.url)
+    with connect(address, origin=own, subprotocols=protocol, additional_headers=cookie, max_size=None) as socket:
+        assert socket.recv(timeout=10.0)
+
+
+def test_an_agent_is_killed_after_a_question_stays_down_and_comes_back(page: Driven, launched: Launched) -> None:
+    page.wait_text("RUNNING", 60.0)
+    page.show("Robots")
+    page.tap("kill 2")
+    page.wait_text(r"Kill agent 2\?")
+    page.press("Leave it alone")
+    page.until(lambda: "Kill agent 2?" not in page.text(), "the question gone")
+    assert launched.state().dismissed == []
+    page.tap("kill 2")
+    page.wait_text(r"Kill agent 2\?")
+    page.press("Kill 2")
+    page.wait_text("R2 KILLED")
+    page.until(lambda: 2 not in launched.state().live, "agent 2 gone")
+    down = launched.state()
+    assert down.dismissed == [2]
+    page.until(lambda: launched.state().stamp > down.stamp + 0.5, "time going on", 30.0)
+    assert launched.state().stopped == [2]
+    page.tap("restart 2")  # nothing to lose: not asked
+    page.wait_text("RUNNING", 30.0)
+    page.until(lambda: "KILLED" not in page.text() and launched.state().live == [1, 2], "agent 2 back", 30.0)
+    page.show("Live")
+    assert page.errors == []
+
+
+def test_an_agent_that_lives_is_replaced_by_a_fresh_one(page: Driven, launched: Launched) -> None:
+    def arrivals() -> int:
+        return sum(event.text == "agent 1 is here" for event in launched.state().events)
+
+    page.show("Robots")
+    before = arrivals()
+    page.tap("restart 1")
+    page.wait_text(r"Restart agent 1\?")
+    page.press("Restart 1")
+    page.until(lambda: arrivals() > before and launched.state().dismissed == [], "a fresh agent 1", 30.0)
+    page.show("Live")

@@ -89,6 +89,9 @@ def jobs(study: Study) -> list[Job]:
             continue
         if study.warmup >= flown.duration:
             wrong.setdefault(f"warmup: expected less than {flown.duration:g} s; got {study.warmup:g}", words(cell))
+        if study.event and study.event.until >= flown.duration:
+            line = f"event.until: expected less than {flown.duration:g} s; got {study.event.until:g}"
+            wrong.setdefault(line, words(cell))
         for seed in range(study.seeds):
             seeded = flown.model_copy(update={"seed": seed})
             job = Job(
@@ -109,5 +112,3 @@ def jobs(study: Study) -> list[Job]:
 def words(cell: tuple[tuple[str, Value], ...]) -> str:
     """A point of the grid in words: "triangle-circle, latency 0.5"."""
     return ", ".join(str(label) if column == "scenario" else f"{column} {label}" for column, label in cell)
-
-

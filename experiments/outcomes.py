@@ -67,9 +67,9 @@ class Record:
     event: Event | None
 
 
-def record(scenario: Scenario, trace: Trace, counts: Mapping[str, LinkCounts], warmup: float, event: Event | None) -> (
-    Record
-):
+def record(
+    scenario: Scenario, trace: Trace, counts: Mapping[str, LinkCounts], warmup: float, event: Event | None
+) -> Record:
     """The part of a flight that is measured.
 
     Args:
@@ -110,10 +110,10 @@ def recovery(flight: Record) -> float:
     """From the event's end until the level is below its threshold and stays there [s]; NaN if it never does."""
     event = flight.event
     assert event is not None  # a study without one cannot ask for it
-    before = flight.level[flight.times < event.at - 1e-9]
-    if event.factor is not None and not before.size:
-        return float("nan")
-    threshold = event.below if event.factor is None else event.factor * float(before.max())
+    threshold = event.below or 0.0
+    if event.factor is not None:
+        before = flight.level[flight.times < event.at - 1e-9]
+        threshold = event.factor * float(before.max(initial=0.0))
     after = flight.times >= event.until - 1e-9
     good, times = flight.level[after] < threshold, flight.times[after]
     bad = np.flatnonzero(~good)
@@ -152,7 +152,7 @@ def lost(flight: Record) -> float:
 
 
 def _rms(values: FloatArray) -> FloatArray:
-    return np.sqrt(np.mean(values**2, axis=0))
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from importlib import import_module
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.connection import wait
+from typing import Any
 
 from experiments.flights import Result, fly
 from experiments.grid import Job, words
@@ -104,7 +106,7 @@ def cluster(address: str) -> Engine:
         EchelonError: Dask is not installed.
     """
     try:
-        import distributed  # noqa: PLC0415  optional, and slow to import
+        dask: Any = import_module("distributed")  # optional, and slow to import
     except ImportError:
         raise StudyError(
             f"--cluster: expected Dask to be installed; got none (python -m pip install distributed=={DASK_VERSION})"
@@ -112,7 +114,7 @@ def cluster(address: str) -> Engine:
 
     def fly_all(jobs: Sequence[Job]) -> Iterator[Result]:
         try:
-            client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise StudyError(f"--cluster: expected a Dask scheduler at {address}; got none ({reason})") from None
@@ -122,7 +124,7 @@ def cluster(address: str) -> Engine:
             futures = client.map(fly, jobs, pure=False)
             of = dict(zip(futures, jobs, strict=True))
             try:
-                for future in distributed.as_completed(futures):
+                for future in dask.as_completed(futures):
                     try:
                         yield future.result()
                     except EchelonError:

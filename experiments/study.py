@@ -9,7 +9,7 @@ from pydantic import Field, FiniteFloat, StrictBool, StrictInt, ValidationError,
 
 from experiments.outcomes import MEASURES, Event
 from formation.errors import StudyError, unknown
-from formation.model import Duration, Model, Positive
+from formation.model import Duration, Model
 from formation.problems import problems
 
 Value = StrictBool | StrictInt | FiniteFloat | str
@@ -49,7 +49,7 @@ class Axis(Model):
     @property
     def labels(self) -> list[Value]:
         """What the column of the table says, in the order of the grid."""
-        return list(self.values if self.choices is None else self.choices)
+        return list(self.values or ()) if self.choices is None else list(self.choices)
 
     @property
     def numeric(self) -> bool:
@@ -60,7 +60,7 @@ class Axis(Model):
         """key=value settings that a label stands for."""
         return [f"{self.key}={toml(label)}"] if self.choices is None else list(self.choices[str(label)])
 
-    def keys(self) -> set[str]:
+    def set_keys(self) -> set[str]:
         """Keys of the scenario that this axis sets."""
         return {setting.partition("=")[0].strip() for label in self.labels for setting in self.settings(label)}
 
@@ -93,7 +93,7 @@ class Figure(Model):
     """The axis whose labels become pictures side by side."""
     ratio: bool = False
     """Draw the paired ratio to the baseline instead of the measure."""
-    only: dict[str, list[Value]] = {}
+    only: dict[str, list[Value]] = Field(default_factory=dict)
     """Labels of an axis that are drawn; all of them, if absent."""
     log: bool = True
     """Logarithmic value."""
@@ -103,7 +103,7 @@ class Figure(Model):
 class Bound(Model):
     """What the study is expected to show."""
 
-    where: dict[str, Value] = {}
+    where: dict[str, Value] = Field(default_factory=dict)
     """Labels of axes; every combination of the others has to keep the bound."""
     measure: str
     statistic: Literal["mean", "median", "max", "ratio"] = "mean"
@@ -114,26 +114,26 @@ class Bound(Model):
 
 
 class Study(Model):
-    """A grid over scenarios, axes and seeds; every point of it is flown with the same seeds, that is, the same chance."""
+    """A grid over scenarios, axes and seeds; every point of it meets the same seeds, that is, the same chance."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
     title: str = ""
     """What it asks, in a sentence."""
     scenarios: Annotated[list[str], Field(min_length=1)]
     """Names, or TOML files (from the study's own folder)."""
-    settings: list[Setting] = []
+    settings: tuple[Setting, ...] = ()
     """key=value, as for `--set`: what differs from the scenario in every flight."""
-    axes: list[Axis] = []
+    axes: tuple[Axis, ...] = ()
     seeds: Annotated[int, Field(ge=1, le=MAX_FLIGHTS)] = 10
     """Seeds 0, 1, ... so many: every point of the grid meets all of them."""
     warmup: Duration = 0.0
     """Measures start at this simulated time [s]."""
     measures: Annotated[list[str], Field(min_length=1)]
     event: Event | None = None
-    baseline: dict[str, Value] = {}
+    baseline: dict[str, Value] = Field(default_factory=dict)
     """Labels of axes: every flight is compared with that of the same seed there."""
-    figures: list[Figure] = []
-    bounds: list[Bound] = []
+    figures: tuple[Figure, ...] = ()
+    bounds: tuple[Bound, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> "Study":
@@ -148,11 +148,13 @@ class Study(Model):
                 yield unknown(f"measures[{index}]", name, MEASURES)
             elif MEASURES[name].of_event and self.event is None:
                 yield f"measures[{index}]: expected an [event] for {name}; got none"
-        for kind, part in (("figures", self.figures), ("bounds", self.bounds)):
-            for index, entry in enumerate(part):
-                name = entry.value if isinstance(entry, Figure) else entry.measure
-                if name is not None and name not in self.measures:
-                    yield unknown(f"{kind}[{index}].{'value' if kind == 'figures' else 'measure'}", name, self.measures)
+        if self.event and self.event.factor is not None and self.event.at <= self.warmup:
+            yield f"event.at: expected more than the warmup of {self.warmup:g} s for factor; got {self.event.at:g}"
+        used = [(f"figures[{index}].value", drawn.value) for index, drawn in enumerate(self.figures)]
+        used += [(f"bounds[{index}].measure", bound.measure) for index, bound in enumerate(self.bounds)]
+        for where, measure in used:
+            if measure is not None and measure not in self.measures:
+                yield unknown(where, measure, self.measures)
 
     def _wrong_axes(self) -> Iterable[str]:
         names = [axis.name for axis in self.axes]
@@ -195,7 +197,8 @@ class Study(Model):
     @property
     def labels(self) -> dict[str, list[Value]]:
         """What every column of the grid may say, `scenario` first, in the order of the grid."""
-        return {"scenario": [File(s).stem for s in self.scenarios]} | {axis.name: axis.labels for axis in self.axes}
+        scenarios: list[Value] = [File(name).stem for name in self.scenarios]
+        return {"scenario": scenarios} | {axis.name: axis.labels for axis in self.axes}
 
     @property
     def flights(self) -> int:
@@ -241,11 +244,11 @@ def load(name: str, *, seeds: int | None = None, settings: Sequence[str] = ()) -
         raise StudyError(f"{name}: expected TOML; {error}") from None
     study = parse(raw, where=name)
     scenarios = [str(file.parent.resolve() / s) if s.endswith(".toml") else s for s in study.scenarios]
-    changes: dict[str, Any] = {"scenarios": scenarios, "settings": [*study.settings, *settings]}
+    changes: dict[str, Any] = {"scenarios": scenarios, "settings": (*study.settings, *settings)}
     for setting in settings:
         key = setting.partition("=")[0].strip()
         for axis in study.axes:
-            if key in axis.keys():
+            if key in axis.set_keys():
                 raise StudyError(f"--set {key}: expected a key that no axis sets; {axis.name} does")
     return study.model_copy(update=changes | ({} if seeds is None else {"seeds": seeds}))
 

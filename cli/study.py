@@ -149,7 +149,7 @@ def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, o
         unit, factor = ("mm", 1e3) if rows[0]["unit"] == "m" else (str(rows[0]["unit"]), 1.0)
         ratio = study.baseline and any(row["ratio"] is not None for row in rows)
         table = Table(
-            *study.labels, f"{measure.rpartition('_')[0]} {unit}", "95 %", "max", *(["ratio"] if ratio else [])
+            *columns, f"{measure.rpartition('_')[0]} {unit}", "95 %", "max", *(["ratio", "95 %"] if ratio else [])
         )
         for row in rows[:SHOWN_ROWS]:
             cells = [str(row[name]) for name in columns]
@@ -161,7 +161,7 @@ def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, o
             if row["missing"]:
                 cells[-3] += f" ({row['missing']} of {row['flights']} never)"
             if ratio:
-                cells.append(f"{_number(row['ratio'])} ({_range(row['ratio_low'], row['ratio_high'])})")
+                cells += [_number(row["ratio"]), _range(row["ratio_low"], row["ratio_high"])]
             table.add_row(*cells)
         console.print(table)
         if len(rows) > SHOWN_ROWS:

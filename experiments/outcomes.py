@@ -178,7 +178,7 @@ MEASURES: dict[str, Measure] = {
     "tracking_final_m": Measure(lambda f: float(f.tracking[-1]), "m", "final distance of centre to path"),
     "clearance_m": Measure(clearance, "m", "least distance between two robots"),
     "recovery_s": Measure(recovery, "s", "time to recover", of_event=True),
-    "event_max_m": Measure(event_max, "m", "largest $|l_e|$ from the event on", of_event=True),
+    "event_max_m": Measure(event_max, "m", "largest $|l_e|$ since the event", of_event=True),
     "age_median_s": Measure(lambda f: _age(f, 0.5), "s", "median age of the plans used"),
     "age_max_s": Measure(lambda f: _age(f, 1.0), "s", "largest age of a plan used"),
     "lost_share": Measure(lost, "1", "share of plans lost"),

@@ -16,8 +16,8 @@ PANEL_HEIGHT, TITLE_HEIGHT, LEGEND_ROW = 2.6, 0.26, 0.2
 """[inch]"""
 ACROSS = 3
 """Panels beside each other."""
-LEGEND_LETTERS = 100
-"""About so many fit into the width of a figure."""
+LEGEND_LETTERS, LEGEND_HANDLE = 100, 7
+"""About so many letters fit into the width of a figure, and as many as the line beside a text is wide."""
 
 
 def draw(
@@ -89,5 +89,5 @@ def _labels(study: Study, wish: Figure, axis: str | None) -> list[Value | None]:
 
 def _legend_columns(lines: Sequence[Value | None]) -> int:
     """So many entries find room beside each other."""
-    longest = max((len(str(line)) for line in lines), default=1)
-    return max(1, min(len(lines), LEGEND_LETTERS // (longest + 6)))
+    widths = [len(str(line)) + LEGEND_HANDLE for line in lines]
+    return len(lines) if sum(widths) <= LEGEND_LETTERS else max(1, LEGEND_LETTERS // max(widths))

@@ -20,7 +20,7 @@ DT = 0.1
 
 
 def measured(level: FloatArray, event: Event | None = None, poses: FloatArray | None = None) -> Record:
-    times = DT * np.arange(len(level))
+    times: FloatArray = DT * np.arange(len(level), dtype=np.float64)
     where = np.zeros((len(level), 2, 3)) if poses is None else poses
     signed = np.stack([level, -level / 2.0], axis=1)
     return Record(times, where, signed, signed, level, signed[1:], {}, level, event)

@@ -76,7 +76,8 @@ def _canvas(wish: Figure, panels: Sequence[Value | None], lines: Sequence[Value 
 
 def _note(study: Study, wish: Figure) -> str:
     seeds = "seed 0" if study.seeds == 1 else f"seeds 0 to {study.seeds - 1}"
-    band = " · band: 95 % confidence of the mean" if study.seeds > 1 and wish.kind != "surface" else ""
+    mean = "geometric mean" if wish.kind == "recovery" and wish.log else "mean"
+    band = f" · {mean} and its 95 % confidence" if study.seeds > 1 and wish.kind != "surface" else ""
     return f"study {study.name}, {seeds}{band}"
 
 

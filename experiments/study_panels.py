@@ -16,6 +16,8 @@ from formation.arrays import FloatArray
 
 SHOWN = {"m": ("mm", 1e3), "rad": ("rad", 1.0), "s": ("s", 1.0), "1": ("%", 100.0)}
 """SI unit: what a figure shows, and how many of it."""
+LEAST = 1e-6
+"""What is below counts as this much where logarithms are taken [mm]."""
 FLOOR = 10.0
 """A band on a logarithmic axis ends this many times below the least mean."""
 
@@ -152,11 +154,13 @@ def recovery(
         level = 1e3 * np.array([series[:length] for series in chosen])
         t = study.warmup + SERIES_INTERVAL * np.arange(length)
         look = _look(study, wish, line)
-        over = [interval(level[:, k]) for k in range(length)]
+        # On a logarithmic axis the mean of the logarithms: its interval does not reach below zero.
+        values = np.log(np.maximum(level, LEAST)) if wish.log else level
+        over = [interval(values[:, k]) for k in range(length)]
         middle = np.array([(o.mean, o.low, o.high) for o in over if o is not None])
+        middle = np.exp(middle) if wish.log else middle
         (handle,) = axes.plot(t, middle[:, 0], color=look["color"], linewidth=1.2)
-        least = middle[:, 0].min() / FLOOR if wish.log else -np.inf
-        axes.fill_between(t, np.maximum(middle[:, 1], least), middle[:, 2], color=look["color"], alpha=0.2, linewidth=0)
+        axes.fill_between(t, middle[:, 1], middle[:, 2], color=look["color"], alpha=0.2, linewidth=0)
         handles[str(line)] = handle
     axes.axvspan(event.at, event.until, color=style.GREY, alpha=0.15, linewidth=0, zorder=0)
     if event.below is not None:

@@ -56,11 +56,15 @@ def run(options: argparse.Namespace) -> int:
     folder: Path = options.out or Path(DEFAULT_OUT) / f"study-{study.name}"
     from experiments.results import fly_and_write  # noqa: PLC0415  with what flies; the list does without
 
-    workers = options.workers or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     with _Progress(study.name) as progress:
         try:
             outcome = fly_and_write(
-                study, folder, workers=workers or 1, cluster=options.cluster, tell=tell, progress=progress.update
+                study,
+                folder,
+                workers=options.workers or _cores(),
+                cluster=options.cluster,
+                tell=tell,
+                progress=progress.update,
             )
         except KeyboardInterrupt:
             progress.stop()
@@ -73,6 +77,11 @@ def run(options: argparse.Namespace) -> int:
     for file in outcome.files:
         print(file)
     return 0
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _list(as_json: bool) -> None:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, contextmanager
 from importlib import import_module
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.connection import wait
@@ -63,7 +63,8 @@ def local(workers: int) -> Engine:
         before = set(active_children())
         pool = ProcessPoolExecutor(min(workers, len(jobs)), get_context("spawn"), initializer=_settle)
         try:
-            futures = {pool.submit(fly, job): job for job in jobs}
+            with _deaf_to_interrupts():
+                futures = {pool.submit(fly, job): job for job in jobs}
             for future in as_completed(futures):
                 try:
                     yield future.result()
@@ -84,9 +85,21 @@ def local(workers: int) -> Engine:
     return fly_all
 
 
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes started in here ignore Ctrl-C, which reaches every process of a terminal: the launcher decides."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _settle() -> None:
     """A worker ends with its launcher, however that ends, and says nothing about it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process of a terminal; the launcher decides
     launcher = parent_process()
     if launcher is not None:
         threading.Thread(target=_outlive, args=(launcher.sentinel,), daemon=True).start()

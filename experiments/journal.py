@@ -50,10 +50,13 @@ class Journal:
         self.results[result.key] = result
 
     def add(self, result: Result) -> None:
-        """Write a result down; it survives the death of this process from here on."""
+        """Write a result down; it survives the death of this process from here on. Raises StudyError."""
         self.results[result.key] = result
-        self._file.write(json.dumps(asdict(result)).encode() + b"\n")
-        self._file.flush()
+        try:
+            self._file.write(json.dumps(asdict(result)).encode() + b"\n")
+            self._file.flush()
+        except OSError as error:
+            raise StudyError(f"the journal cannot be written: {error.strerror}") from None
 
     def __enter__(self) -> "Journal":
         return self

@@ -127,7 +127,7 @@ def cluster(address: str) -> Engine:
 
     def fly_all(jobs: Sequence[Job]) -> Iterator[Result]:
         try:
-            client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            client = dask.Client(address, timeout=CONNECT_SECONDS)
         except (OSError, ValueError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise StudyError(f"--cluster: expected a Dask scheduler at {address}; got none ({reason})") from None

@@ -12,7 +12,7 @@ from experiments.study import Figure, Study, Value
 from experiments.study_panels import bands, recovery, surface, value_label, with_unit
 from experiments.table import Row
 
-PANEL_HEIGHT, TITLE_HEIGHT, LEGEND_ROW = 2.6, 0.26, 0.2
+PANEL_HEIGHT, TITLE_HEIGHT, LEGEND_ROW = 2.7, 0.26, 0.23
 """[inch]"""
 ACROSS = 3
 """Panels beside each other."""

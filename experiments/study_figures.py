@@ -47,7 +47,9 @@ def draw(
                 if panel is not None:
                     axes.set_title(f"{wish.panels} {with_unit(study, wish.panels, panel)}", fontweight="normal")
             if image is not None:
-                made.colorbar(image, ax=grid, label=value_label(wish))
+                scale = made.colorbar(image, ax=grid, label=value_label(wish))
+                scale.ax.yaxis.set_major_formatter("{x:g}")
+                scale.ax.yaxis.set_minor_formatter("{x:g}")
             elif wish.by:
                 top = 1.0 - TITLE_HEIGHT / made.get_figheight()
                 columns = _legend_columns(lines)

@@ -63,8 +63,8 @@ def _look(study: Study, wish: Figure, line: Value | None) -> dict[str, Any]:
 def _logarithmic(axes: Axes) -> None:
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    if np.log10(axes.get_ylim()[1] / axes.get_ylim()[0]) > 1.2:  # else the minor ticks are needed to read it
-        axes.yaxis.set_minor_formatter(lambda *_: "")
+    near = np.log10(axes.get_ylim()[1] / axes.get_ylim()[0]) < 1.2  # then the minor ticks are needed to read it
+    axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if near else "")
 
 
 def bands(

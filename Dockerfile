@@ -11,6 +11,7 @@ COPY fleet fleet
 COPY experiments experiments
 COPY cli cli
 COPY scenarios scenarios
+COPY studies studies
 RUN pip install --no-cache-dir -c constraints.txt .
 # From here on nothing is imported from the copied folders: the packages are installed.
 WORKDIR /tmp

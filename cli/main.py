@@ -9,6 +9,7 @@ from typing import NoReturn
 COMMANDS = {
     "up": "fly a formation live: start its processes and the dashboard",
     "run": "fly without a page and print the figures",
+    "study": "fly a grid of flights, with statistics and figures",
     "fault": "break and mend links of a live run",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "tell how a live run is doing",

@@ -2,6 +2,7 @@
 
 EchelonError            a person's or a peer's mistake; its text is one line that says what to do
 ├── ScenarioError       the user's scenario file or an override of it
+├── StudyError          the user's study file or an override of it
 ├── FaultError          a fault that does not make sense, or a link that does not exist
 └── WireError           a peer's bytes (network/codec.py)
 """
@@ -16,6 +17,10 @@ class EchelonError(Exception):
 
 class ScenarioError(EchelonError):
     """A scenario that cannot be flown; one line per mistake."""
+
+
+class StudyError(EchelonError):
+    """A study that cannot be flown; one line per mistake."""
 
 
 class FaultError(EchelonError):

@@ -22,7 +22,7 @@ ALLOWED = {
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
-DATA = {"scenarios"}
+DATA = {"scenarios", "studies"}
 """Installed with the rooms, but not code of theirs."""
 FILES = sorted(file for room in ROOMS for file in (ROOT / room).rglob("*.py"))
 MAX_LINES = 300

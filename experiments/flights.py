@@ -1,0 +1,135 @@
+"""Many flights on several cores: what is flown, what is kept of it, and the pool that flies it."""
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+
+import numpy as np
+
+from formation import scenario
+from formation.arrays import FloatArray
+from formation.scenario import Scenario
+
+GAP_EVERY = 10
+"""Ticks from one sample of the Nash gap to the next: 10 Hz at the paper's control interval."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One flight to be flown."""
+
+    key: str
+    """What the report calls it; unique."""
+    scenario: str
+    """Name of a shipped scenario, or a TOML file."""
+    settings: tuple[str, ...] = ()
+    """Changes to it, `key=value`."""
+    in_formation: bool = False
+    """Start in formation, whatever start poses the scenario has."""
+    gap: bool = False
+    """Sample the Nash gap along the flight."""
+
+    def load(self) -> Scenario:
+        """The scenario that is flown. Raises ScenarioError."""
+        raw = scenario.read(self.scenario)
+        if self.in_formation:
+            raw.get("robots", {}).pop("poses", None)
+        return scenario.parse(raw, self.settings, where=self.key)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flown:
+    """What is kept of a flight; T ticks, n robots."""
+
+    key: str
+    times: FloatArray
+    """(T + 1,) [s]."""
+    poses: FloatArray
+    """(T + 1, n, 3) [m, m, rad]."""
+    inputs: FloatArray
+    """(T, n, 2) [m/s, rad/s]."""
+    centre: FloatArray
+    """(T + 1, 2) the reference p_r, where the formation's centre should be [m]."""
+    distance: FloatArray
+    """(T + 1, n) l_e [m]."""
+    angle: FloatArray
+    """(T + 1, n) psi_e [rad]."""
+    tracking: FloatArray
+    """(T + 1,) distance of the robots' mean position to p_r [m]."""
+    gaps: FloatArray
+    """(G, n) Nash gap; G = 0 unless it was ordered."""
+
+    def after(self, start: float, stop: float = np.inf) -> slice:
+        """Rows of `times` from `start` to `stop` [s]."""
+        first, last = np.searchsorted(self.times, (start - 1e-9, stop + 1e-9))
+        return slice(int(first), int(last))
+
+
+def fly(order: Order) -> Flown:
+    """Fly one order, in this process. Raises ScenarioError."""
+    from fleet.inprocess import Flight  # noqa: PLC0415  loads the kernels: only who flies needs them
+
+    task = order.load()
+    flight = Flight(task)
+    gaps = []
+    while not flight.finished:
+        k = flight.world.k
+        flight.step()
+        if order.gap and k % GAP_EVERY == 0:
+            stamp = k * task.control_interval
+            gaps.append([agent.status(k, stamp).gap for _, agent in sorted(flight.agents.items())])
+    trace = flight.trace
+    distance, angle, tracking = trace.errors()
+    return Flown(
+        order.key,
+        trace.times,
+        trace.poses,
+        trace.inputs,
+        task.path.position(trace.times),
+        distance,
+        angle,
+        tracking,
+        np.array(gaps).reshape(-1, task.size),
+    )
+
+
+def fly_all(
+    orders: Sequence[Order], workers: int | None = None, progress: Callable[[int, int], None] = lambda _done, _all: None
+) -> dict[str, Flown]:
+    """Fly every order, several at a time; the results do not depend on how many.
+
+    Args:
+        orders: with keys that differ.
+        workers: processes; by default one for each core, and none beside this one for a single core.
+        progress: called with the number of flights that are done, and of all.
+
+    Returns:
+        What was flown by key, in the order of `orders`.
+
+    Raises:
+        ScenarioError: an order cannot be flown; nothing has then been flown.
+    """
+    if len({order.key for order in orders}) != len(orders):
+        raise ValueError("two orders have the same key")
+    for order in orders:
+        order.load()
+    workers = workers or len(os.sched_getaffinity(0))
+    done: dict[str, Flown] = {}
+    progress(0, len(orders))
+    if workers == 1:
+        for order in orders:
+            done[order.key] = fly(order)
+            progress(len(done), len(orders))
+        return done
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        try:
+            for future in as_completed([pool.submit(fly, order) for order in orders]):
+                flown = future.result()
+                done[flown.key] = flown
+                progress(len(done), len(orders))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return {order.key: done[order.key] for order in orders}

@@ -10,6 +10,7 @@ COMMANDS = {
     "up": "fly a formation live: start its processes and the dashboard",
     "run": "fly without a page and print the figures",
     "fault": "break and mend links of a live run",
+    "paper": "fly the tests of the paper again and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "tell how a live run is doing",
     "scenarios": "list the scenarios",

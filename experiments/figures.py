@@ -7,15 +7,18 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
-from experiments.flights import Flown
+from experiments.flown import Flown
 from experiments.statistics import Spread
 from experiments.style import BLACK, GREY, MARKERS, PALETTE, colour, figure
 
 EVERY = 10
 """Ticks between two points of a drawn line: 0.1 s, finer than print shows."""
 FLOOR = 1e-4
-"""Where logarithmic axes of millimetres end: a tenth of a micrometre."""
+"""Where logarithmic axes of millimetres over time end: a tenth of a micrometre."""
+BOX_FLOOR = 1e-6
+"""Where those of box plots end: a nanometre, or a nanoradian by the same factor below a millimetre [mm]."""
 MILLI = 1e3
 
 
@@ -68,7 +71,12 @@ def over_time(
 
 
 def trajectories(
-    panels: Sequence[tuple[str, Flown]], every: float, follower: Flown | None = None, *, height: float = 4.0
+    panels: Sequence[tuple[str, Flown]],
+    every: float,
+    follower: Flown | None = None,
+    *,
+    zoom: tuple[float, float, float, float] | None = None,
+    height: float = 4.0,
 ) -> Figure:
     """Where the robots and the formation's centre went, as figs. 3, 8 and 10 show it.
 
@@ -76,23 +84,27 @@ def trajectories(
         panels: title and flight.
         every: a marker stands at every so many seconds.
         follower: a leader-follower flight, whose follower is drawn as a dashed line (fig. 3).
+        zoom: least and greatest x, least and greatest y of a second panel for each flight [m].
         height: [inch].
     """
     drawn = figure(height)
-    grid = drawn.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)
-    for axes, (title, flown) in zip(grid.flat, panels, strict=True):
+    views = [(title, flown, part) for title, flown in panels for part in ([None, zoom] if zoom else [None])]
+    grid = drawn.subplots(1, len(views), sharex=not zoom, sharey=not zoom, squeeze=False)
+    for axes, (title, flown, part) in zip(grid.flat, views, strict=True):
         axes.plot(*flown.centre[::EVERY].T, color=GREY, linewidth=3.5, alpha=0.35, label="reference path")
-        marks = np.arange(0.0, flown.times[-1] + 1e-9, every)
-        rows = np.searchsorted(flown.times, marks - 1e-9)
+        rows = np.searchsorted(flown.times, np.arange(0.0, flown.times[-1] + 1e-9, every) - 1e-9)
         for robot in range(flown.poses.shape[1]):
             _track(axes, flown.poses[:, robot, :2], rows, f"robot {robot + 1}", PALETTE[robot], MARKERS[robot])
         middle = flown.poses[..., :2].mean(axis=1)
         axes.plot(*middle[rows].T, ".", color=BLACK, markersize=3.5, label="formation centre")
         if follower is not None:
             path = follower.poses[::EVERY, -1, :2]
-            axes.plot(*path.T, "--", color=colour("leader_follower"), linewidth=1.0, label="follower of LF")
-        axes.set_title(title)
-        axes.set_aspect("equal", adjustable="datalim")
+            axes.plot(*path.T, "--", color=colour("leader_follower"), linewidth=1.0, label="leader-follower's follower")
+        axes.set_title(title if part is None else "the corner")
+        if part is not None:
+            axes.set_xlim(part[:2])
+            axes.set_ylim(part[2:])
+        axes.set_aspect("equal", adjustable="box")
         axes.set_xlabel("x [m]")
     grid[0, 0].set_ylabel("y [m]")
     handles, labels = grid[0, 0].get_legend_handles_labels()
@@ -128,11 +140,12 @@ def boxes(spreads: Mapping[str, Mapping[str, tuple[Spread, Spread]]], label: str
         grid[0, column].set_title(path)
         grid[1, column].set_yscale("log")
         grid[1, column].set_ylim(bottom=floor)
-        names = [name.replace("_", "-") for name in found]
-        grid[1, column].set_xticks(range(len(found)), names, rotation=55, ha="right", rotation_mode="anchor")
     symbol, unit = label.split(" ", maxsplit=1)
     grid[0, 0].set_ylabel(label)
     grid[1, 0].set_ylabel(f"|{symbol}| {unit}")
+    names = list(next(iter(spreads.values())))
+    patches = [Patch(facecolor=colour(n, names) + "44", edgecolor=colour(n, names), label=n) for n in names]
+    drawn.legend(handles=patches, loc="outside upper right", ncols=6)
     return drawn
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from html import escape
 
 from experiments.report import MARKS, Block, Picture, Report, Section, Verdict
-from experiments.tables import Table
+from experiments.report_table import Table
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1c2024; --soft: #5b636b; --page: #ffffff; --card: #f6f7f9; --line: #dfe3e8;

@@ -9,7 +9,7 @@ from typing import Literal
 
 from matplotlib.figure import Figure
 
-from experiments.tables import Table
+from experiments.report_table import Table
 
 Outcome = Literal["holds", "holds in part", "does not hold"]
 MARKS: dict[Outcome, str] = {"holds": "✓", "holds in part": "◐", "does not hold": "✗"}

@@ -34,7 +34,7 @@ CONTROLLERS = {
 
 WIDTH = 7.2
 """Of a figure in the report [inch]; type of 9 points then has its size on A4 paper."""
-FOOTER = 0.3
+FOOTER = 0.2
 """Height kept free for the footer [inch]."""
 _RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same glyphs on every machine

@@ -30,13 +30,18 @@ class Order:
     """Start in formation, whatever start poses the scenario has."""
     gap: bool = False
     """Sample the Nash gap along the flight."""
+    limit: float | None = None
+    """Where the flight is cut if it is longer [s]."""
 
     def load(self) -> Scenario:
         """The scenario that is flown. Raises ScenarioError."""
         raw = scenario.read(self.scenario)
         if self.in_formation:
             raw.get("robots", {}).pop("poses", None)
-        return scenario.parse(raw, self.settings, where=self.key)
+        made = scenario.parse(raw, self.settings, where=self.key)
+        if self.limit is None or made.duration <= self.limit:
+            return made
+        return scenario.parse(raw, (*self.settings, f"duration={self.limit!r}"), where=self.key)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,9 +67,10 @@ class Flown:
     """(G, n) Nash gap; G = 0 unless it was ordered."""
 
     def after(self, start: float, stop: float = np.inf) -> slice:
-        """Rows of `times` from `start` to `stop` [s]."""
-        first, last = np.searchsorted(self.times, (start - 1e-9, stop + 1e-9))
-        return slice(int(first), int(last))
+        """Rows of `times` from `start` to `stop` [s]; of a flight cut before `start`, the last row."""
+        first, last = np.searchsorted(self.times, (start - 1e-9, stop + 1e-9)).tolist()
+        first = min(first, len(self.times) - 1)
+        return slice(first, max(last, first + 1))
 
 
 def fly(order: Order) -> Flown:

@@ -51,9 +51,9 @@ def _sections(extent: Extent, flown: Mapping[str, Flown]) -> Sequence[Section]:
             "How near to an equilibrium",
             (
                 "The Nash gap εᵢ is how much robot i could still lower its own cost Jᵢ by changing its plan alone, "
-                "given the plans that it believes its neighbour plays; at an equilibrium every gap is zero. It is sampled at "
-                "10 Hz along the flights of `nash` above. Jᵢ has no unit that speaks, so the last column gives the gap "
-                f"in units of {unit:.3g}: the cost of a distance error of 1 mm that lasts for the whole horizon.",
+                "given the plans that it believes its neighbour plays; at an equilibrium every gap is zero. It is "
+                "sampled at 10 Hz along the flights of `nash` above. Jᵢ has no unit that speaks, so the last column "
+                f"gives the gap in units of {unit:.3g}: the cost of 1 mm of distance error over the whole horizon.",
                 Picture(
                     "nash-gap",
                     over_time(panels, len(panels), log=range(len(panels)), share=True, height=2.6),

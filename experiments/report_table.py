@@ -1,6 +1,7 @@
 """Tables of results as CSV, Markdown, HTML and JSON: the same numbers give the same bytes."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -47,7 +48,7 @@ class Table:
     def markdown(self) -> str:
         """A pipe table; numbers stand right."""
         rule = ["---:" if right else "---" for right in self._right()]
-        rows = [list(self.heads), rule, *([shown(cell) for cell in row] for row in self.rows)]
+        rows = [_bars(self.heads), rule, *(_bars(map(shown, row)) for row in self.rows)]
         return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
     def html(self) -> str:
@@ -72,6 +73,11 @@ class Table:
         columns = zip(*self.rows, strict=True)
         numbers = [all(not isinstance(c, str | bool) for c in column) for column in columns]
         return numbers or [False] * len(self.heads)
+
+
+def _bars(cells: Iterable[str]) -> list[str]:
+    """A bar in a cell would end it."""
+    return [cell.replace("|", r"\|") for cell in cells]
 
 
 def _class(right: bool) -> str:

@@ -58,9 +58,9 @@ def _sections(extent: Extent, flown: Mapping[str, Flown]) -> Sequence[Section]:
             "stuck",
             "A robot that cannot keep up",
             (
-                f"The triangle on the circle again; robot 2 stands still from {AT:g} to {UNTIL:g} s, although "
-                "its wheels are told to turn. No noise, a start in formation. Here messages matter: the others can only wait for "
-                "a robot that they hear of.",
+                f"The triangle on the circle; robot 2 stands still from {AT:g} to {UNTIL:g} s, although "
+                "its wheels are told to turn. No noise, a start in formation. Here messages matter: the others "
+                "can only wait for a robot that they hear of.",
                 Picture(
                     "stuck",
                     _drawn(found),

@@ -2,9 +2,10 @@
 
 import multiprocessing
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from formation import scenario
 from formation.arrays import FloatArray
 from formation.scenario import Scenario
 
+Job = TypeVar("Job")
+Done = TypeVar("Done")
 GAP_EVERY = 10
 """Ticks from one sample of the Nash gap to the next: 10 Hz at the paper's control interval."""
 
@@ -101,18 +104,64 @@ def fly(order: Order) -> Flown:
     )
 
 
+class Crew:
+    """Processes that work for this one; with a single worker, this process itself."""
+
+    def __init__(self, workers: int | None = None) -> None:
+        """A crew that has not begun.
+
+        Args:
+            workers: how many; by default one for each core that this process may use.
+        """
+        workers = workers or len(os.sched_getaffinity(0))
+        # Forking is no choice: a progress bar has a thread.
+        spawn = multiprocessing.get_context("spawn")
+        self._pool = ProcessPoolExecutor(workers, mp_context=spawn) if workers > 1 else None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool:
+            self._pool.shutdown(cancel_futures=True)
+
+    def map(
+        self, work: Callable[[Job], Done], jobs: Iterable[Job], progress: Callable[[int, int], None] = lambda *_: None
+    ) -> list[Done]:
+        """What `work` makes of each job, in their order; it does not depend on the number of workers.
+
+        Args:
+            work: a function that other processes can import.
+            jobs: what it is called with.
+            progress: called with the number of jobs that are done, and of all.
+        """
+        jobs = list(jobs)
+        progress(0, len(jobs))
+        if self._pool is None:
+            return [_told(work(job), progress, done + 1, len(jobs)) for done, job in enumerate(jobs)]
+        futures = [self._pool.submit(work, job) for job in jobs]
+        for done, future in enumerate(as_completed(futures)):
+            _told(future.result(), progress, done + 1, len(jobs))
+        return [future.result() for future in futures]
+
+
+def _told(result: Done, progress: Callable[[int, int], None], done: int, of: int) -> Done:
+    progress(done, of)
+    return result
+
+
 def fly_all(
-    orders: Sequence[Order], workers: int | None = None, progress: Callable[[int, int], None] = lambda _done, _all: None
+    orders: Sequence[Order], crew: Crew, progress: Callable[[int, int], None] = lambda *_: None
 ) -> dict[str, Flown]:
-    """Fly every order, several at a time; the results do not depend on how many.
+    """Fly every order.
 
     Args:
         orders: with keys that differ.
-        workers: processes; by default one for each core, and none beside this one for a single core.
+        crew: who flies.
         progress: called with the number of flights that are done, and of all.
 
     Returns:
-        What was flown by key, in the order of `orders`.
+        What was flown, by key.
 
     Raises:
         ScenarioError: an order cannot be flown; nothing has then been flown.
@@ -121,21 +170,4 @@ def fly_all(
         raise ValueError("two orders have the same key")
     for order in orders:
         order.load()
-    workers = workers or len(os.sched_getaffinity(0))
-    done: dict[str, Flown] = {}
-    progress(0, len(orders))
-    if workers == 1:
-        for order in orders:
-            done[order.key] = fly(order)
-            progress(len(done), len(orders))
-        return done
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
-        try:
-            for future in as_completed([pool.submit(fly, order) for order in orders]):
-                flown = future.result()
-                done[flown.key] = flown
-                progress(len(done), len(orders))
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-    return {order.key: done[order.key] for order in orders}
+    return {flown.key: flown for flown in crew.map(fly, orders, progress)}

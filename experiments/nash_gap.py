@@ -73,10 +73,11 @@ def _sections(extent: Extent, flown: Mapping[str, Flown]) -> Sequence[Section]:
 
 def millimetre_cost() -> float:
     """J_i of a distance error of 1 mm at each of the N + 1 steps, and nothing else (THEORY section 5)."""
-    from agents.nash import Q  # noqa: PLC0415  loads the kernels: only a report of `nash` needs them
+    from agents.nash import weights  # noqa: PLC0415  loads the kernels: only a report of `nash` needs them
 
-    horizon = scenario.load("figure8").controller.horizon
-    return 0.5 * (horizon + 1) * Q[3] * MILLIMETRE**2
+    task = scenario.load("figure8")
+    radial = weights(task)[0][3]
+    return 0.5 * (task.controller.horizon + 1) * radial * MILLIMETRE**2
 
 
 CHAPTER = Chapter(_orders, _sections)

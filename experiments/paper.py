@@ -4,16 +4,16 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from experiments import nash_gap, noisy, replication, stuck
+from experiments import nash_gap, noisy, replication, stuck, switching
 from experiments.chapters import Chapter, Extent
-from experiments.flown import Flown, fly_all
+from experiments.flown import Crew, Flown, fly_all
 from experiments.html import html
 from experiments.report import Report, Section, Verdict, markdown
 from experiments.report_table import Table
 from experiments.style import release, save, styled
 from formation.errors import EchelonError
 
-CHAPTERS: tuple[Chapter, ...] = (replication.CHAPTER, nash_gap.CHAPTER, stuck.CHAPTER, noisy.CHAPTER)
+CHAPTERS: tuple[Chapter, ...] = (replication.CHAPTER, nash_gap.CHAPTER, stuck.CHAPTER, noisy.CHAPTER, switching.CHAPTER)
 TITLE = "Nash equilibrium-based geometric pattern formation: the paper again, in numbers"
 Progress = Callable[[str, int, int], None]
 """Told what is being done, how much of it is done, and of how much."""
@@ -49,7 +49,8 @@ def write(out: Path, extent: Extent, progress: Progress, workers: int | None = N
         workers: processes to fly in; by default one per core.
     """
     orders = [order for chapter in CHAPTERS for order in chapter.orders(extent)]
-    flown = fly_all(orders, workers, lambda done, of: progress("flights", done, of))
+    with Crew(workers) as crew:
+        flown = fly_all(orders, crew, lambda done, of: progress("flights", done, of))
     with styled():
         report = compose(extent, flown)
         pictures = report.pictures()

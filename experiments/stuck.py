@@ -12,7 +12,7 @@ from experiments.flown import Flown, Order
 from experiments.report import Picture, Section, Verdict, grade
 from experiments.report_table import Cell, Table
 from experiments.statistics import settled
-from experiments.style import SKY, colour
+from experiments.style import GREY, SKY, colour
 
 AT, UNTIL = 20.0, 24.0
 """When the robot stands still [s]."""
@@ -22,7 +22,9 @@ SMALL = 2e-3
 """Back in formation: all |l_e| at most this [m]."""
 CAUGHT_UP = 5e-3
 """Back on the path: the centre is at most this far from where it should be [m]."""
-FRESH = "nash, plans as if fresh"
+FRESH, HURRIED = "nash, plans as if fresh", "nash that does not wait"
+VARIANTS = {FRESH: (SKY, "--"), HURRIED: (GREY, "-.")}
+"""How they are drawn."""
 LINKS = {"on time": 0.0, "0.5 s late": LATE}
 
 
@@ -30,6 +32,7 @@ def _contenders() -> dict[str, tuple[str, ...]]:
     """Settings by what the report calls them."""
     found: dict[str, tuple[str, ...]] = {name: (f"controller.name={name}",) for name in controllers()}
     found[FRESH] = ("controller.name=nash", "controller.age_plans=false")
+    found[HURRIED] = ("controller.name=nash", "controller.waits=false")
     return found
 
 
@@ -39,7 +42,7 @@ def _orders(extent: Extent) -> Sequence[Order]:
         extent.order(
             f"stuck/{name}/{link}",
             "triangle-circle",
-            "duration=60",
+            "duration=50",
             stuck,
             f"link.latency={latency}",
             *settings,
@@ -82,7 +85,7 @@ def _drawn(found: Mapping[tuple[str, str], Flown]) -> Figure:
             flight = found[name, link]
             rows = slice(flight.after(AT - 5.0).start, flight.after(UNTIL + 20.0).stop, EVERY)
             worst = np.maximum(np.abs(flight.distance[rows]).max(axis=1) * 1e3, FLOOR)
-            ink, style = (SKY, "--") if name == FRESH else (colour(name), "-")
+            ink, style = VARIANTS.get(name) or (colour(name), "-")
             lines.append(Line(name, flight.times[rows], worst, ink, style))
         panels.append((f"plans {link}", "worst $|l_e|$ [mm]", lines))
     drawn = over_time(panels, len(panels), log=range(len(panels)), share=True, height=3.0)

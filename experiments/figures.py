@@ -138,8 +138,9 @@ def boxes(spreads: Mapping[str, Mapping[str, tuple[Spread, Spread]]], label: str
             axes.set_xticks(range(len(found)), [])
             axes.grid(visible=False, axis="x")
         grid[0, column].set_title(path)
-        grid[1, column].set_yscale("log")
-        grid[1, column].set_ylim(bottom=floor)
+    top = max(pair[1].maximum for found in spreads.values() for pair in found.values())
+    grid[1, 0].set_yscale("log")  # of all: they share their y axes
+    grid[1, 0].set_ylim(floor, max(2.0 * top, 10.0 * floor))
     symbol, unit = label.split(" ", maxsplit=1)
     grid[0, 0].set_ylabel(label)
     grid[1, 0].set_ylabel(f"|{symbol}| {unit}")

@@ -8,7 +8,7 @@ from experiments import nash_gap, noisy, replication, stuck, switching
 from experiments.chapters import Chapter, Extent
 from experiments.flown import Crew, Flown, fly_all
 from experiments.html import html
-from experiments.report import Report, Section, Verdict, markdown
+from experiments.report import Report, Section, Verdict, markdown, unjudged
 from experiments.report_table import Table
 from experiments.style import release, save, styled
 from formation.errors import EchelonError
@@ -68,10 +68,12 @@ def write(out: Path, extent: Extent, progress: Progress, workers: int | None = N
 def compose(extent: Extent, flown: Mapping[str, Flown]) -> Report:
     """The report of what was flown; called within `style.styled()`."""
     sections = [section for chapter in CHAPTERS for section in chapter.sections(extent, flown)]
+    if extent.limit is not None:
+        sections = [unjudged(section) for section in sections]
     cut = (
         ""
         if extent.limit is None
-        else (f" **Every flight was cut at {extent.limit:g} s: its verdicts are those of a quick look.**")
+        else (f" **Every flight was cut at {extent.limit:g} s: too short to judge a claim.**")
     )
     lead = (
         "Lee, Kim, Lee and Myung (2014) let wheeled robots keep a formation by a receding-horizon Nash game between "

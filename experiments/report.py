@@ -3,7 +3,7 @@
 Text may hold **bold**, `code` and [words](#anchor); everything else is taken literally.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from experiments.report_table import Table
 
-Outcome = Literal["holds", "holds in part", "does not hold"]
-MARKS: dict[Outcome, str] = {"holds": "✓", "holds in part": "◐", "does not hold": "✗"}
+Outcome = Literal["holds", "holds in part", "does not hold", "not judged"]
+MARKS: dict[Outcome, str] = {"holds": "✓", "holds in part": "◐", "does not hold": "✗", "not judged": "–"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,12 @@ class Report:
     def verdicts(self) -> list[tuple[Section, Verdict]]:
         """Every verdict with its section."""
         return [(section, verdict) for section in self.sections for verdict in section.of(Verdict)]
+
+
+def unjudged(section: Section) -> Section:
+    """The section without a judgement: for flights that are too short to tell."""
+    blocks = (replace(block, outcome="not judged") if isinstance(block, Verdict) else block for block in section.blocks)
+    return replace(section, blocks=tuple(blocks))
 
 
 def grade(parts: list[bool]) -> Outcome:

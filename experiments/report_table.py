@@ -23,6 +23,7 @@ def shown(value: Cell) -> str:
         return "∞" if value > 0 else "–"
     if value == 0.0:
         return "0"
+    value = float(f"{value:.2e}")  # first, so that 9.999 is 10.0
     exponent = math.floor(math.log10(abs(value)))
     if -4 <= exponent <= 5:
         return f"{value:.{max(0, 2 - exponent)}f}".replace("-", "−")
@@ -69,9 +70,9 @@ class Table:
         return {"caption": self.caption, "columns": list(self.heads), "rows": rows}
 
     def _right(self) -> list[bool]:
-        """Per column, whether it holds numbers."""
+        """Per column, whether it holds a number."""
         columns = zip(*self.rows, strict=True)
-        numbers = [all(not isinstance(c, str | bool) for c in column) for column in columns]
+        numbers = [any(isinstance(c, int | float) and not isinstance(c, bool) for c in column) for column in columns]
         return numbers or [False] * len(self.heads)
 
 

@@ -94,6 +94,13 @@ def test_every_link_leads_to_a_place_on_the_page(made: Any) -> None:
     assert set(re.findall(r'href="#([^"]+)"', page)) <= set(anchors)
 
 
+def test_flights_that_are_cut_judge_no_claim(made: Any) -> None:
+    _, report = made
+    verdicts = report.verdicts()
+    assert len(verdicts) > 10
+    assert {verdict.outcome for _, verdict in verdicts} == {"not judged"}
+
+
 def test_figures_say_seed_and_version_and_no_date(made: Any) -> None:
     folder, _ = made
     assert EXTENT.note.startswith("seed 0")

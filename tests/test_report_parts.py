@@ -45,6 +45,10 @@ def test_a_number_is_shown_to_three_digits(value: Any) -> None:
     assert float(text) == pytest.approx(value, rel=0.051 if "e" in text else 0.0051)
 
 
+def test_rounding_up_adds_no_digit() -> None:
+    assert [shown(x) for x in (9.999, 99.99, 0.9999, 12345.0)] == ["10.0", "100", "1.00", "12300"]
+
+
 def test_other_cells_are_words() -> None:
     assert [shown(cell) for cell in (None, True, False, 7, "x", math.inf, 0.0)] == [
         "–",

@@ -43,7 +43,8 @@ td, th { padding: .34rem .9rem .34rem 0; } td { border-bottom: 1px solid var(--l
 .verdict { margin: 1.2rem 0; padding: .8rem 1.1rem; background: var(--card); border-left: 4px solid var(--tone);
   border-radius: 0 8px 8px 0; max-width: 46rem; }
 .verdict p { margin: .3rem 0; } .outcome { color: var(--tone); font-weight: 700; white-space: nowrap; }
-.holds { --tone: var(--good); } .part { --tone: var(--part); } .fails { --tone: var(--bad); } .none { --tone: var(--soft); }
+.holds { --tone: var(--good); } .part { --tone: var(--part); } .fails { --tone: var(--bad); }
+.none { --tone: var(--soft); }
 @media (max-width: 60rem) { .frame { grid-template-columns: minmax(0, 54rem); gap: 1rem; } nav { position: static;
   max-height: none; } }
 @media print { .frame { display: block; } nav { position: static; } figure, .verdict { break-inside: avoid; } }

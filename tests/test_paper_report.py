@@ -5,11 +5,13 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from cli.main import main
-from experiments import paper
+from experiments import noisy, paper
 from experiments.chapters import Extent
+from experiments.flown import Crew, fly_all
 from experiments.report import Report
 from formation.errors import EchelonError
 
@@ -18,8 +20,8 @@ FIGURES = range(3, 12)
 """Of the paper's section 4."""
 
 
-def written(folder: Path, extent: Extent = EXTENT) -> Report:
-    return paper.write(paper.folder(str(folder)), extent, lambda *_: None, workers=1)
+def written(folder: Path) -> Report:
+    return paper.write(paper.folder(str(folder)), EXTENT, lambda *_: None, workers=1)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -40,18 +42,24 @@ def test_the_same_seed_gives_the_same_bytes_in_every_file(made: Any, tmp_path: A
     assert not [name for name in first if first[name] != second[name]]
 
 
-def test_the_number_of_workers_changes_nothing(made: Any, tmp_path: Any) -> None:
-    folder, _ = made
-    paper.write(paper.folder(str(tmp_path / "pool")), EXTENT, lambda *_: None, workers=2)
-    first, second = contents(folder), contents(tmp_path / "pool")
-    assert not [name for name in first if first[name] != second[name]]
+def test_the_number_of_workers_changes_nothing() -> None:
+    orders = [order for chapter in paper.CHAPTERS for order in chapter.orders(EXTENT)][:3]
+    with Crew(1) as alone, Crew(2) as several:
+        first, second = fly_all(orders, alone), fly_all(orders, several)
+    assert list(first) == list(second) == [order.key for order in orders]
+    assert all(np.array_equal(first[key].poses, second[key].poses) for key in first)
 
 
-def test_another_seed_gives_other_numbers(made: Any, tmp_path: Any) -> None:
-    folder, _ = made
-    written(tmp_path / "other", Extent(seed=5, seeds=1, limit=1.5))
-    name = "tables/late-and-lost.csv"
-    assert contents(folder)[name] != contents(tmp_path / "other")[name]
+def test_another_seed_gives_other_noise() -> None:
+    for extent in (EXTENT, Extent(seed=5, seeds=1, limit=1.5)):
+        orders = [
+            order for order in noisy.CHAPTER.orders(extent) if order.key.startswith(f"noisy/{noisy.AGED}/on time")
+        ]
+        assert [order.load().seed for order in orders] == [extent.seed]
+    with Crew(1) as crew:
+        flights = [fly_all(noisy.CHAPTER.orders(Extent(seed=seed, seeds=1, limit=0.5))[:1], crew) for seed in (0, 5)]
+    (first,), (second,) = (list(flown.values()) for flown in flights)
+    assert not np.array_equal(first.poses, second.poses)
 
 
 def test_every_figure_of_section_4_is_there_as_png_and_svg(made: Any) -> None:
@@ -120,14 +128,18 @@ def test_each_order_has_a_key_of_its_own_and_can_be_flown() -> None:
     assert all(order.load().seed == 0 for order in orders if not order.key.startswith("noisy/"))
 
 
-def test_json_is_one_object_with_every_table_and_verdict(made: Any, tmp_path: Any, capsys: Any) -> None:
+def test_json_is_one_object_with_every_table_and_verdict(
+    made: Any, tmp_path: Any, monkeypatch: Any, capsys: Any
+) -> None:
     _, report = made
-    words = ["paper", "--out", str(tmp_path / "x"), "--duration", "1.5s", "--seeds", "1", "--workers", "1", "--json"]
+    asked: list[Extent] = []
+    monkeypatch.setattr(paper, "write", lambda _out, extent, *_: asked.append(extent) or report)
+    words = ["paper", "--out", str(tmp_path / "x"), "--duration", "1500ms", "--seed", "7", "--seeds", "2", "--json"]
     assert main(words) == 0
-    out, _ = capsys.readouterr()
-    found = json.loads(out)
+    found = json.loads(capsys.readouterr().out)
+    assert asked == [Extent(seed=7, seeds=2, limit=1.5)]
     assert set(found["tables"]) == {table.name for table in report.tables()}
-    assert [v["outcome"] for v in found["verdicts"]] == [v.outcome for _, v in report.verdicts()]
+    assert [v["found"] for v in found["verdicts"]] == [v.found for _, v in report.verdicts()]
 
 
 def test_a_report_needs_a_folder_that_can_be_made(tmp_path: Any, capsys: Any) -> None:

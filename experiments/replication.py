@@ -20,6 +20,7 @@ from formation.arrays import FloatArray
 PATHS = {"figure8": "1: '8'", "circle": "2: circle", "sinusoid": "3: sinusoid", "spiral": "4: spiral"}
 """Scenario of each reference path, and what the paper's Table 1 calls it."""
 FIRST, SECOND, THIRD = ("leader_follower", "paper", "nash"), ("paper", "nash"), ("paper", "nash")
+BOXES = ("leader_follower", "paper", "nash", "centralised")
 CORNER, CIRCLE = "triangle-corner", "triangle-circle"
 
 
@@ -33,7 +34,7 @@ def _orders(extent: Extent) -> list[Order]:
     orders += [
         extent.order(f"box/{path}/{name}", path, f"controller.name={name}", in_formation=True)
         for path in PATHS
-        for name in controllers()
+        for name in controllers(BOXES)
     ]
     return orders
 
@@ -42,7 +43,7 @@ def _sections(extent: Extent, flown: Mapping[str, Flown]) -> list[Section]:
     del extent  # every flight is in `flown`
     return [
         _first({name: flown[f"first/{name}"] for name in FIRST}),
-        _statistics({path: {name: flown[f"box/{path}/{name}"] for name in controllers()} for path in PATHS}),
+        _statistics({path: {name: flown[f"box/{path}/{name}"] for name in controllers(BOXES)} for path in PATHS}),
         _second(flown["second/paper"], flown["second/nash"]),
         _third(flown["third/paper"], flown["third/nash"]),
     ]

@@ -133,7 +133,7 @@ def test_json_is_one_object_with_every_table_and_verdict(
 ) -> None:
     _, report = made
     asked: list[Extent] = []
-    monkeypatch.setattr(paper, "write", lambda _out, extent, *_: asked.append(extent) or report)
+    monkeypatch.setattr(paper, "write", write)
     words = ["paper", "--out", str(tmp_path / "x"), "--duration", "1500ms", "--seed", "7", "--seeds", "2", "--json"]
     assert main(words) == 0
     found = json.loads(capsys.readouterr().out)

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import get_args
 
 from experiments.flown import Flown, Order
 from experiments.report import Section
-from formation.scenario import ControllerName
+from formation.controllers import NAMES
 
 ALL_CONTROLLERS = ("leader_follower", "virtual_structure", "consensus", "paper", "nash", "centralised")
 """In the order of tables and figures; the report shows those that there are."""
@@ -48,5 +47,4 @@ class Chapter:
 
 def controllers(wanted: Sequence[str] = ALL_CONTROLLERS) -> list[str]:
     """Those of `wanted` that this version has, in the order of tables."""
-    have = set(get_args(ControllerName))
-    return [name for name in ALL_CONTROLLERS if name in wanted and name in have]
+    return [name for name in ALL_CONTROLLERS if name in wanted and name in NAMES]

@@ -1,10 +1,10 @@
 """`echelon paper`: every result of the paper's section 4 again, and what this project adds, as one report."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from experiments import nash_gap, noisy, replication, stuck, switching
+from experiments import nash_gap, noisy, paper_errata, replication, stuck, switching
 from experiments.chapters import Chapter, Extent
 from experiments.flown import Crew, Flown, fly_all
 from experiments.html import html
@@ -51,8 +51,10 @@ def write(out: Path, extent: Extent, progress: Progress, workers: int | None = N
     orders = [order for chapter in CHAPTERS for order in chapter.orders(extent)]
     with Crew(workers) as crew:
         flown = fly_all(orders, crew, lambda done, of: progress("flights", done, of))
+        errata = paper_errata.fly(extent, crew, lambda done, of: progress("errata", done, of))
+        readings = paper_errata.read(extent, crew, lambda done, of: progress("readings", done, of))
     with styled():
-        report = compose(extent, flown)
+        report = compose(extent, flown, paper_errata.sections(errata, readings))
         pictures = report.pictures()
         for done, picture in enumerate(pictures):
             progress("figures", done, len(pictures))
@@ -65,9 +67,10 @@ def write(out: Path, extent: Extent, progress: Progress, workers: int | None = N
     return report
 
 
-def compose(extent: Extent, flown: Mapping[str, Flown]) -> Report:
-    """The report of what was flown; called within `style.styled()`."""
+def compose(extent: Extent, flown: Mapping[str, Flown], more: Sequence[Section]) -> Report:
+    """The report of what was flown, and more sections; called within `style.styled()`."""
     sections = [section for chapter in CHAPTERS for section in chapter.sections(extent, flown)]
+    sections += more
     if extent.limit is not None:
         sections = [unjudged(section) for section in sections]
     cut = (

@@ -11,6 +11,7 @@ COMMANDS = {
     "run": "fly without a page and print the figures",
     "study": "fly a grid of flights, with statistics and figures",
     "fault": "break and mend links of a live run",
+    "paper": "fly the tests of the paper again and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "tell how a live run is doing",
     "scenarios": "list the scenarios",

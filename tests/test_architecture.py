@@ -157,6 +157,12 @@ def test_numba_is_imported_where_kernels_are_compiled_only() -> None:
     assert {file.split("/")[0] for file in files} <= {"agents", "fleet", "cli"}
 
 
+def test_matplotlib_is_imported_in_experiments_only() -> None:
+    files = importers("matplotlib")
+    assert "experiments/style.py" in files
+    assert {file.split("/")[0] for file in files} == {"experiments"}
+
+
 @pytest.mark.parametrize("place", PURE)
 def test_what_decides_reads_no_wall_clock(place: Any) -> None:
     files = [file for file in FILES if name_of(file) == place or name_of(file).startswith(f"{place}/")]

@@ -58,6 +58,7 @@ CLOCK_FREE = [
     "world/trace.py",
     "world/world.py",
     "fleet/inprocess.py",
+    "fleet/ghost/shadow.py",
     "experiments",
 ]
 """The core: what decides reads no clock. Everything else in these rooms is the shell of a process."""

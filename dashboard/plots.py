@@ -11,6 +11,7 @@ import viser
 import viser.uplot as up
 
 from dashboard.controls import assign
+from dashboard.ghost import FAR_BEHIND
 from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS
 from dashboard.palette import DARK, LIGHT, Palette
@@ -147,7 +148,7 @@ class Chart:
             if ghost or not line.ghost
         )
         assign(self._title, "content", plot_title(plot.name, plot.unit, marks))
-        values = [np.minimum(series[line.column], plot.cap) for line in plot.lines]
+        values = [np.minimum(_held(series["t"], series[line.column]), plot.cap) for line in plot.lines]
         top = max(np.nanmax(value, initial=plot.floor) for value in values)
         near = plot.limit is not None and top > NEAR_LIMIT * plot.limit
         hidden = -top  # below the plot; the renderer does not know gaps
@@ -167,3 +168,13 @@ def _series(lines: tuple[Line, ...], palette: Palette) -> tuple[up.Series, ...]:
             look["dash"] = line.dash
         found.append(look)
     return tuple(found)
+
+
+def _held(stamps: FloatArray, values: FloatArray) -> FloatArray:
+    """The values, going on at both ends for as long as a ghost's word may be under way, so that its line has no cliff."""
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) in (0, len(values)):
+        return values
+    first, last = known[0], known[-1]
+    near = (stamps >= stamps[first] - FAR_BEHIND) & (stamps <= stamps[last] + FAR_BEHIND)
+    return np.where(near, np.interp(stamps, stamps[known], values[known]), values)

@@ -8,7 +8,7 @@ from dashboard.summary import CARD
 from dashboard.words import FONT, MUTED, length
 from network.messages import State
 
-_GRID = "display:grid;grid-template-columns:auto 1fr 1fr 1fr;gap:2px 8px;font-size:11px;padding:6px 8px"
+_GRID = "display:grid;grid-template-columns:repeat(4,auto);gap:2px 6px;font-size:11px;padding:6px 8px"
 _GHOST = "color:var(--ghost)"
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dashboard import plots
 from dashboard.ghost import FAR_BEHIND, GhostTrack, Verdict, verdicts
 from dashboard.history import History
 from dashboard.versus import comparison
@@ -130,3 +131,14 @@ def test_names_from_elsewhere_are_escaped() -> None:
 
 def test_errors_that_are_nothing_on_the_ground_are_no_victory() -> None:
     assert Verdict("distance", 1e-5, 1e-4).words == "the same"
+
+
+def test_the_ghosts_line_goes_on_while_its_word_is_under_way_and_no_longer() -> None:
+    stamps = np.arange(0.0, 6.0, 0.1)
+    values = np.where((stamps > 2.0) & (stamps < 4.0), 7.0, np.nan)
+    drawn = plots._held(stamps, values)
+    known = stamps[np.isfinite(drawn)]
+    assert set(drawn[np.isfinite(drawn)]) == {7.0}
+    assert known[0] == pytest.approx(2.1 - FAR_BEHIND, abs=0.11)
+    assert known[-1] == pytest.approx(3.9 + FAR_BEHIND, abs=0.11)
+    assert np.isnan(plots._held(stamps, np.full_like(stamps, np.nan))).all()

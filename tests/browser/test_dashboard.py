@@ -305,8 +305,8 @@ def plotted(page: Driven) -> list[dict[str, Any]]:
 
 
 def test_another_controller_is_seen_as_a_ghost_beside_its_errors(page: Driven, flight: Flight) -> None:
+    page.wait_text("RUNNING", 60.0)
     page.press("Reset")  # so that the ghost has little to catch up with
-    page.wait_text("RUNNING")
     assert not shown(page)
     assert "RMS" not in page.text()
     flight.ask(SetFault(link="1->2", changes={"latency": 0.2, "loss": 0.3}))

@@ -171,7 +171,7 @@ def _series(lines: tuple[Line, ...], palette: Palette) -> tuple[up.Series, ...]:
 
 
 def _held(stamps: FloatArray, values: FloatArray) -> FloatArray:
-    """The values, going on at both ends for as long as a ghost's word may be under way, so that its line has no cliff."""
+    """The values, going on at both ends while a ghost's word may be under way, so that its line has no cliff."""
     known = np.flatnonzero(np.isfinite(values))
     if len(known) in (0, len(values)):
         return values

@@ -17,6 +17,8 @@ from formation.arrays import FloatArray
 from formation.scenario import Scenario
 from network.messages import State
 
+MANY = 8
+"""The plans of more robots are drawn with every other state only: finding and decoding them is what costs most."""
 TRAIL_EVERY = 3
 """Frames between two updates of the trails, which are the most bytes."""
 GHOST = "Ghost"
@@ -51,7 +53,7 @@ class Scene:
         self._nodes: dict[str, Any] = {}
         self._hidden: set[str] = set()
         self._scenario: Scenario | None = None
-        self._frame = 0
+        self._frame = self._states = 0
         self._strokes: FloatArray = np.empty((0, 2, 2))
         self._stroke_owner: np.ndarray[Any, np.dtype[np.intp]] = np.empty(0, dtype=np.intp)
         self.focus: int | None = None
@@ -119,7 +121,9 @@ class Scene:
         if state is not self._state or self._focus_drawn != self.focus:
             self._state, self._focus_drawn = state, self.focus
             self._recolour(state, links)
-            self._plan(seen, state, scenario.controller.horizon)
+            self._states += 1
+            if scenario.size <= MANY or self._states % 2:
+                self._plan(seen, state, scenario.controller.horizon)
 
     def _move(self, poses: FloatArray, links: list[LinkView]) -> None:
         """What moves in every frame."""

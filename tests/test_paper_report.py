@@ -129,7 +129,7 @@ def test_json_is_one_object_with_every_table(made: Any, tmp_path: Any, monkeypat
 
     def write(_out: Path, extent: Extent, *_: Any) -> Report:
         asked.append(extent)
-        return report
+        return report  # type: ignore[no-any-return]
 
     monkeypatch.setattr(paper, "write", write)
     words = ["paper", "--out", str(tmp_path / "x"), "--duration", "1500ms", "--seed", "7", "--seeds", "2", "--json"]

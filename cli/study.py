@@ -188,7 +188,8 @@ def _verdict(bound: dict[str, object]) -> str:
     found = "never" if bound["found"] is None else _number(bound["found"])
     why = f" ({bound['why']})" if bound["why"] else ""
     words = "holds" if bound["holds"] else "DOES NOT HOLD"
-    return f"{words}: {bound['statistic']} of {bound['measure']} at {where}: {found}, at most {bound['at_most']}{why}"
+    limit = f"at least {bound['at_least']}" if bound["at_most"] is None else f"at most {bound['at_most']}"
+    return f"{words}: {bound['statistic']} of {bound['measure']} at {where}: {found}, {limit}{why}"
 
 
 def _number(value: object, factor: float = 1.0) -> str:

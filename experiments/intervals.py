@@ -1,7 +1,7 @@
 """Statistics over seeds: means with Student's confidence intervals, paired ratios to a baseline, bounds."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,9 @@ def interval(values: FloatArray) -> Interval | None:
     return Interval(mean, mean - half, mean + half)
 
 
+_OVER_SEEDS: dict[str, Callable[[FloatArray], float]] = {"mean": np.mean, "median": np.median, "min": np.min, "max": np.max, "ratio": np.mean}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:
     """All flights of one point of the grid, as far as one measure goes."""
@@ -59,13 +62,13 @@ class Group:
         return self.flights - len(self.values)
 
     def statistic(self, name: str) -> float:
-        """mean, median, max or ratio; infinite if a flight has nothing to tell, NaN if there is none."""
+        """mean, median, min, max or ratio; infinite if a flight has nothing to tell, NaN if there is none."""
         if self.missing:
             return math.inf
         values = self.ratios if name == "ratio" else self.values
         if not values.size:
             return math.nan
-        return float(values.max() if name == "max" else np.median(values) if name == "median" else values.mean())
+        return float(_OVER_SEEDS[name](values))
 
 
 def groups(study: Study, table: Sequence[Row]) -> list[Group]:
@@ -123,7 +126,11 @@ class Verdict:
 
     @property
     def holds(self) -> bool:
-        return self.found <= self.bound.at_most
+        return math.isfinite(self.found) and self.bound.excess(self.found) <= 0.0
+
+
+def _excess(verdict: Verdict) -> float:
+    return verdict.bound.excess(verdict.found) if math.isfinite(verdict.found) else math.inf
 
 
 def verdicts(study: Study, found: Sequence[Group]) -> list[Verdict]:
@@ -135,5 +142,5 @@ def verdicts(study: Study, found: Sequence[Group]) -> list[Verdict]:
             for group in found
             if group.measure == bound.measure and all(group.cell[k] == v for k, v in bound.where.items())
         ]
-        told.append(max(here, key=lambda verdict: math.inf if math.isnan(verdict.found) else verdict.found))
+        told.append(max(here, key=_excess))
     return told

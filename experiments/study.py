@@ -106,11 +106,26 @@ class Bound(Model):
     where: dict[str, Value] = Field(default_factory=dict)
     """Labels of axes; every combination of the others has to keep the bound."""
     measure: str
-    statistic: Literal["mean", "median", "max", "ratio"] = "mean"
-    """Over the seeds; max: every flight. ratio: mean of the paired ratios to the baseline."""
-    at_most: FiniteFloat
+    statistic: Literal["mean", "median", "min", "max", "ratio"] = "mean"
+    """Over the seeds; min, max: every flight. ratio: mean of the paired ratios to the baseline."""
+    at_most: FiniteFloat | None = None
+    at_least: FiniteFloat | None = None
+    """One of both, in the measure's unit."""
     why: str = ""
     """Where the bound comes from."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Bound":
+        if (self.at_most is None) == (self.at_least is None):
+            raise ValueError("expected either at_most or at_least")
+        return self
+
+    def excess(self, found: float) -> float:
+        """By how much a figure breaks the bound; not above 0 if it holds."""
+        if self.at_most is not None:
+            return found - self.at_most
+        assert self.at_least is not None
+        return self.at_least - found
 
 
 class Study(Model):

@@ -122,7 +122,20 @@ def save(drawn: Figure, stem: Path, note: str = "") -> list[Path]:
     """
     text = " · ".join(part for part in (note, f"echelon {release()}") if part)
     drawn.text(0.995, 0.06 / drawn.get_figheight(), text, ha="right", va="bottom", fontsize=6.5, color=GREY)
+    _settle(drawn)
     png, svg = stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.svg")
     drawn.savefig(png, metadata={"Software": None})
     drawn.savefig(svg, metadata={"Date": None, "Creator": None})
     return [png, svg]
+
+
+def _settle(drawn: Figure) -> None:
+    """Lay the figure out once and for all, in places without last bits.
+
+    The layout's solver gives positions whose last bits differ from call to call, and ids in an SVG hang on them.
+    """
+    drawn.draw_without_rendering()
+    drawn.set_layout_engine("none")
+    for axes in drawn.axes:
+        x, y, width, height = (round(float(bound), 6) for bound in axes.get_position(original=True).bounds)
+        axes.set_position((x, y, width, height))

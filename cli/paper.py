@@ -20,7 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", default="echelon-paper", help="default: ./echelon-paper")
     parser.add_argument("--seed", type=_whole(0), default=0, metavar="S", help="the first one (default: 0)")
     parser.add_argument(
-        "--seeds", type=_whole(1), default=3, metavar="N", help="with noise, per condition (default: 3)"
+        "--seeds", type=_whole(1), default=2, metavar="N", help="with noise, per condition (default: 2)"
     )
     parser.add_argument("--duration", type=_time, metavar="T", help="cut every flight at T, such as 10s: a quick look")
     parser.add_argument("--workers", type=_whole(1), metavar="N", help="processes to fly in (default: one per core)")

@@ -17,7 +17,7 @@ class Extent:
 
     seed: int = 0
     """The first seed."""
-    seeds: int = 3
+    seeds: int = 2
     """Flights with noise per condition."""
     limit: float | None = None
     """Where every flight is cut [s]; for a quick look."""

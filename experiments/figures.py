@@ -66,7 +66,9 @@ def over_time(
         axes.margins(x=0.01)
         if place in log:
             axes.set_yscale("log")
-    drawn.legend(list(named.values()), list(named), loc="outside upper right", ncols=min(len(named), 6))
+    drawn.legend(
+        list(named.values()), list(named), loc="outside upper right", ncols=len(named) if len(named) <= 5 else 4
+    )
     return drawn
 
 

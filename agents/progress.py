@@ -20,7 +20,7 @@ from agents.situation import Pair
 from formation.arrays import FloatArray
 from network.messages import Plan
 
-FREE = 0.03
+FREE = 0.05
 """A robot may be so many spacings behind its slot before it holds its reference time back."""
 WIDTH = 0.05
 """So many spacings further behind, its reference time stands still."""

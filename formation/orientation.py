@@ -10,7 +10,7 @@ from formation.paths import Path, heading
 from formation.shape import Formation
 from formation.unicycle import wrap
 
-SHARE = 0.25
+SHARE = 0.15
 """How fast rotation moves a slot at most where it is limited, as a share of the path's speed: the slots then keep going
 forwards, nearly side by side."""
 GRID = 0.01

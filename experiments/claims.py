@@ -66,8 +66,8 @@ def both_objectives(flights: Mapping[str, Flown]) -> Verdict:
     return Verdict(
         "Trajectory tracking and formation keeping are both optimally achieved (fig. 3).",
         f"From {SETTLING:g} s on, `paper` keeps l to {mm(keeping['paper'])} RMS and its centre trails the path by "
-        f"{mm(tracking['paper'])}; `{best_keeping}` keeps l to {mm(keeping[best_keeping])}, and `{best_tracking}` "
-        f"the path to {mm(tracking[best_tracking])}.",
+        f"{mm(tracking['paper'])}; `{best_keeping}` keeps l to {mm(keeping[best_keeping])}, and the "
+        f"path is followed best by `{best_tracking}`, to {mm(tracking[best_tracking])}.",
         grade(
             [
                 keeping["paper"] <= OPTIMAL * keeping[best_keeping],
@@ -133,7 +133,7 @@ def corner_errors(flown: Flown, corner: float) -> tuple[float, float]:
 
 
 def corner_beaten(flown: Flown, corner: float) -> Verdict:
-    """What issue 3 asks of `nash` on the sharp corner."""
+    """What this project claims of `nash` on the sharp corner."""
     deviation, _ = corner_errors(flown, corner)
     rows = flown.after(corner)
     size = np.abs(flown.distance[rows]).max(axis=1)

@@ -148,7 +148,7 @@ def table(found: Mapping[tuple[str, str], FloatArray]) -> Table:
 
 
 def verdict(found: Mapping[tuple[str, str], FloatArray]) -> Verdict:
-    """What issue 3 asks of `nash` with late and lost plans."""
+    """What this project claims of `nash` with late and lost plans."""
     bounded = [(condition, condition.bound) for condition in CONDITIONS if condition.bound is not None]
     grown = {condition.name: growth(found, AGED, condition.name) for condition, _ in bounded}
     bounds = ", ".join(f"{bound:.0%} with plans {condition.name}" for condition, bound in bounded)

@@ -104,7 +104,7 @@ def table(found: Mapping[tuple[str, float], Sequence[Flown]], spacing: Mapping[s
 
 
 def verdict(found: Mapping[tuple[str, float], Sequence[Flown]], spacing: Mapping[str, float]) -> Verdict:
-    """What issue 3 asks of `nash` with changes of shape."""
+    """What this project claims of `nash` with changes of shape."""
     least = {key: min(map(clearance, flights)) / spacing[key[0]] for key, flights in found.items()}
     worst = min(least, key=least.__getitem__)
     return Verdict(

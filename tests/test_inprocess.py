@@ -138,7 +138,7 @@ def test_progress_is_told_in_growing_simulated_time() -> None:
     assert len(told) == 4
 
 
-# ---------------------------------------------------------------- figures of issue 2, on short flights
+# ---------------------------------------------------------------- figures of the README, on short flights
 
 
 def test_nash_keeps_a_triangle_on_a_circle_to_a_twentieth_of_a_millimetre() -> None:

@@ -40,7 +40,13 @@ def interval(values: FloatArray) -> Interval | None:
     return Interval(mean, mean - half, mean + half)
 
 
-_OVER_SEEDS: dict[str, Callable[[FloatArray], float]] = {"mean": np.mean, "median": np.median, "min": np.min, "max": np.max, "ratio": np.mean}
+_OVER_SEEDS: dict[str, Callable[[FloatArray], float]] = {
+    "mean": np.mean,
+    "median": np.median,
+    "min": np.min,
+    "max": np.max,
+    "ratio": np.mean,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

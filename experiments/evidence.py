@@ -37,10 +37,11 @@ class Case:
         self.u = np.array([g.uniform(0.1, 0.4), g.uniform(0.2, 0.8)])
         self.w = np.array([g.uniform(0.1, 0.4), g.uniform(0.2, 0.8)])
 
-    def poses(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Poses of the pair whose error state is z (5,), with theta_i - theta_c as drawn."""
-        theta_c, length, psi = self.reference[2] - z[2], self.distance - z[3], self.psi_r - z[4]
-        virtual = self.reference[:2] - rotate(np.array(theta_c), z[:2])
+    def poses(self, z: FloatArray, reference: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Poses of the pair whose error state is z (5,), with theta_i - theta_c, and the reference (5,), as drawn."""
+        ref = self.reference if reference is None else reference
+        theta_c, length, psi = ref[2] - z[2], self.distance - z[3], self.psi_r - z[4]
+        virtual = ref[:2] - rotate(np.array(theta_c), z[:2])
         middle = virtual - rotate(np.array(psi), self.pv)
         edge = length * np.array([-math.sin(psi), math.cos(psi)])
         return np.append(middle - edge / 2, theta_c + self.half), np.append(middle + edge / 2, theta_c - self.half)

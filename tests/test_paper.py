@@ -16,6 +16,7 @@ from agents.belief import Upstream
 from agents.leader_follower import Follower
 from agents.paper import Q_MORE, Q_TWO, Paper
 from agents.situation import Pair, Situation
+from experiments import evidence
 from fleet.inprocess import fly
 from formation.arrays import FloatArray
 from formation.measures import error_state
@@ -30,50 +31,8 @@ ALL = (1, 2, 3)
 """The errata of eq. (3) and of its Jacobians."""
 
 
-class Case:
-    """A pair somewhere, with inputs, reference and virtual centre drawn from a seed."""
-
-    def __init__(self, seed: int) -> None:
-        g = np.random.default_rng(seed)
-        self.reference = np.array([*g.uniform(-1, 1, 2), g.uniform(-3, 3), g.uniform(0.05, 0.3), g.uniform(-0.5, 0.5)])
-        self.distance, self.psi_r = g.uniform(0.1, 0.3), g.uniform(-3, 3)
-        self.pv = g.uniform(0.03, 0.1, 2) * g.choice([-1, 1], 2)
-        self.z = np.array(
-            [*g.uniform(-0.05, 0.05, 2), g.uniform(-0.3, 0.3), g.uniform(-0.05, 0.05), g.uniform(-0.3, 0.3)]
-        )
-        self.half = g.uniform(0.2, 0.6) * g.choice([-1, 1])  # theta_i - theta_c, which z does not tell
-        self.u = np.array([g.uniform(0.1, 0.4), g.uniform(0.2, 0.8)])
-        self.w = np.array([g.uniform(0.1, 0.4), g.uniform(0.2, 0.8)])
-
-    def poses(self, z: FloatArray, reference: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-        """Poses of the pair whose error state is z, with theta_i - theta_c as drawn."""
-        ref = self.reference if reference is None else reference
-        theta_c, length, psi = ref[2] - z[2], self.distance - z[3], self.psi_r - z[4]
-        virtual = ref[:2] - rotate(np.array(theta_c), z[:2])
-        middle = virtual - rotate(np.array(psi), self.pv)
-        edge = length * np.array([-math.sin(psi), math.cos(psi)])
-        own = np.array([*(middle - edge / 2), theta_c + self.half])
-        other = np.array([*(middle + edge / 2), theta_c - self.half])
-        return own, other
-
-    def exact_rate(self, z: FloatArray, u: FloatArray, w: FloatArray) -> FloatArray:
-        """dz/dt by moving everything: bodies by the exact unicycle, the reference by (v_r, omega_r)."""
-        own, other = self.poses(z)
-        h = 1e-5
-
-        def at(t: float) -> FloatArray:
-            x, y, theta, v, omega = self.reference
-            ref = np.array(step(x, y, theta, v, omega, t))
-            return error_state(
-                np.array(step(*own, *u, t)),
-                np.array(step(*other, *w, t)),
-                ref,
-                self.distance,
-                self.psi_r + omega * t,
-                self.pv,
-            )
-
-        return (at(h) - at(-h)) / (2 * h)
+class Case(evidence.Case):
+    """The same pair, judged by THEORY's formulas too."""
 
     def formula_rate(self, z: FloatArray, u: FloatArray, w: FloatArray) -> FloatArray:
         """dz/dt by THEORY section 4."""

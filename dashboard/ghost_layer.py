@@ -11,7 +11,6 @@ from dashboard.palette import Palette
 from dashboard.series import TRAIL_POINTS
 from formation.arrays import FloatArray
 
-NODES = ("/ghosts", "/ghost_edges", "/ghost_trails")
 PALE = 0.75
 """Share of the ghost's colour in its outlines, the rest is the ground's."""
 

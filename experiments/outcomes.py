@@ -7,13 +7,11 @@ import numpy as np
 from pydantic import model_validator
 
 from formation.arrays import FloatArray
+from formation.measures import clearance
 from formation.model import Duration, Model, Positive
 from formation.scenario import Scenario
 from network.messages import LinkCounts
 from world.trace import Trace
-
-PAIRS_AT_ONCE = 1_000_000
-"""Distances between robots that are held in memory at a time."""
 
 
 class Event(Model):
@@ -126,19 +124,6 @@ def recovery(flight: Record) -> float:
     return float("nan")
 
 
-def clearance(flight: Record) -> float:
-    """The least distance between any two robots at any time [m]."""
-    xy = flight.poses[:, :, :2]
-    n = xy.shape[1]
-    one, other = np.triu_indices(n, k=1)
-    rows = max(1, PAIRS_AT_ONCE // len(one))
-    least = np.inf
-    for first in range(0, len(xy), rows):
-        gap = xy[first : first + rows, one] - xy[first : first + rows, other]
-        least = min(least, float(np.hypot(gap[..., 0], gap[..., 1]).min()))
-    return least
-
-
 def event_max(flight: Record) -> float:
     """The largest |l_e| from the event's beginning on [m]."""
     assert flight.event is not None
@@ -176,7 +161,7 @@ MEASURES: dict[str, Measure] = {
     "tracking_rms_m": Measure(lambda f: float(_rms(f.tracking)), "m", "RMS of centre to path"),
     "tracking_max_m": Measure(lambda f: float(f.tracking.max()), "m", "largest centre to path"),
     "tracking_final_m": Measure(lambda f: float(f.tracking[-1]), "m", "final centre to path"),
-    "clearance_m": Measure(clearance, "m", "least gap of two robots"),
+    "clearance_m": Measure(lambda f: clearance(f.poses), "m", "least gap of two robots"),
     "recovery_s": Measure(recovery, "s", "time to recover", of_event=True),
     "event_max_m": Measure(event_max, "m", "largest $|l_e|$ since the event", of_event=True),
     "age_median_s": Measure(lambda f: _age(f, 0.5), "s", "median age of the plans used"),

@@ -1,7 +1,6 @@
 """Formations that change their shape while they fly: do the robots keep clear of each other?"""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from experiments.report import Picture, Section, Verdict, grade
 from experiments.report_table import Cell, Table, shown
 from experiments.statistics import rms
 from formation import scenario
-from formation.arrays import FloatArray
+from formation.measures import clearance
 
 CASES = {
     "triangle, line, triangle": (
@@ -83,18 +82,11 @@ def _sections(extent: Extent, flown: Mapping[str, Flown]) -> Sequence[Section]:
     ]
 
 
-def clearance(flight: Flown) -> float:
-    """The least distance between any two robots at any time [m]."""
-    places: FloatArray = flight.poses[..., :2]
-    pairs = combinations(range(places.shape[1]), 2)
-    return min(float(np.linalg.norm(places[:, i] - places[:, j], axis=1).min()) for i, j in pairs)
-
-
 def table(found: Mapping[tuple[str, float], Sequence[Flown]], spacing: Mapping[str, float]) -> Table:
     """A row for each case and latency."""
     rows: list[tuple[Cell, ...]] = []
     for (case, latency), flights in found.items():
-        least = min(map(clearance, flights))
+        least = min(clearance(flight.poses) for flight in flights)
         ends = [rms(flight.distance[flight.after(flight.times[-1] - 5.0)]) for flight in flights]
         rows.append((case, latency, least * 1e3, least / spacing[case], float(np.mean(ends)) * 1e3))
     heads = ("change", "latency s", "least clearance mm", "in spacings", "RMS lₑ at the end mm")
@@ -105,7 +97,9 @@ def table(found: Mapping[tuple[str, float], Sequence[Flown]], spacing: Mapping[s
 
 def verdict(found: Mapping[tuple[str, float], Sequence[Flown]], spacing: Mapping[str, float]) -> Verdict:
     """What this project claims of `nash` with changes of shape."""
-    least = {key: min(map(clearance, flights)) / spacing[key[0]] for key, flights in found.items()}
+    least = {
+        key: min(clearance(flight.poses) for flight in flights) / spacing[key[0]] for key, flights in found.items()
+    }
     worst = min(least, key=least.__getitem__)
     return Verdict(
         f"This project: while the shape changes no two robots come closer than {CLEAR:g} of the spacing, with plans "

@@ -8,6 +8,9 @@ from formation.arrays import FloatArray
 from formation.pattern import rotate
 from formation.unicycle import wrap
 
+PAIRS_AT_ONCE = 1_000_000
+"""Distances between robots that `clearance` holds in memory at a time."""
+
 
 def wrapped(angles: FloatArray) -> FloatArray:
     """The same angles in (-pi, pi] [rad]."""
@@ -40,6 +43,21 @@ def pattern_errors(poses: FloatArray, slots: FloatArray) -> tuple[FloatArray, Fl
     distance, angle = pairs(poses)
     wanted, wanted_angle = pairs(slots)
     return wanted - distance, wrapped(wanted_angle - angle)
+
+
+def clearance(places: FloatArray) -> float:
+    """The least distance between any two robots at any time [m].
+
+    Args:
+        places: (T, n, 2 or more) of all robots, at least two.
+    """
+    one, other = np.triu_indices(places.shape[1], k=1)
+    rows = max(1, PAIRS_AT_ONCE // len(one))
+    least = np.inf
+    for first in range(0, len(places), rows):
+        gap = places[first : first + rows, one, :2] - places[first : first + rows, other, :2]
+        least = min(least, float(np.hypot(gap[..., 0], gap[..., 1]).min()))
+    return least
 
 
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:

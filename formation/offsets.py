@@ -6,6 +6,7 @@ robots come closer than D / sqrt(2) (Turpin, Michael, Kumar: CAPT, Int. J. Robot
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,15 +45,13 @@ class Offsets:
             reach = max(reach, np.hypot(*here.T).max())
         self.reach = float(reach)
         """The largest distance of an offset from the centre, at any time [m]."""
-        self.constant = not self._moves
 
     def rows(self, robots: Sequence[int]) -> "Offsets":
         """The same for some robots only (numbers, from 1), in this order."""
-        picked = object.__new__(Offsets)
+        picked = copy(self)
         at = [robot - 1 for robot in robots]
         picked._start = self._start[at]
         picked._moves = tuple(_Move(move.at, move.over, move.way[at]) for move in self._moves)
-        picked.reach, picked.constant = self.reach, self.constant
         return picked
 
     def at(self, t: FloatArray) -> FloatArray:

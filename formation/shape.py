@@ -75,7 +75,7 @@ class Formation(Shape):
     """Which way a fixed formation faces [rad]."""
     turn_rate: Positive | None = None
     """How fast a limited formation turns [rad/s]; if absent, so fast that its rotation moves no slot faster than
-    half the speed of the path (formation/orientation.py)."""
+    a small share of the path's speed (formation/orientation.py)."""
     changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = ()
 
     @model_validator(mode="after")

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from formation.arrays import FloatArray
 from formation.errors import ScenarioError
+from formation.measures import clearance
 from formation.offsets import SHARE, Offsets
 from formation.paths import Circle, Line
 from formation.pattern import SHAPES
@@ -27,13 +27,6 @@ def formation(first: str, then: str, robots: int, **change: Any) -> Formation:
     return Formation.model_validate(
         {"shape": first, "robots": robots, "changes": [{"at": 5.0, "shape": then, "robots": robots, **change}]}
     )
-
-
-def clearance(places: FloatArray) -> float:
-    """The smallest distance between any two robots at any time."""
-    gaps = np.linalg.norm(places[:, :, None] - places[:, None], axis=-1)
-    gaps[:, np.arange(gaps.shape[1]), np.arange(gaps.shape[1])] = np.inf
-    return float(gaps.min())
 
 
 @pytest.mark.parametrize(("first", "then", "robots"), PAIRS)

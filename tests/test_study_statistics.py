@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.intervals import groups, interval, student, summary, verdicts
-from experiments.outcomes import MEASURES, Event, Record, clearance, trailing_rms
+from experiments.outcomes import MEASURES, Event, Record, trailing_rms
 from experiments.study import parse
 from experiments.table import Row
 from formation.arrays import FloatArray
@@ -85,9 +85,9 @@ def test_clearance_is_the_least_distance_of_any_two_robots_at_any_time(monkeypat
         np.hypot(*(poses[k, i, :2] - poses[k, j, :2])) for k in range(40) for i in range(5) for j in range(5) if i != j
     ]
     record = measured(np.zeros(40), poses=poses)
-    assert clearance(record) == pytest.approx(min(all_gaps))
-    monkeypatch.setattr("experiments.outcomes.PAIRS_AT_ONCE", 30)  # the same in slices
-    assert clearance(record) == pytest.approx(min(all_gaps))
+    assert MEASURES["clearance_m"].of(record) == pytest.approx(min(all_gaps))
+    monkeypatch.setattr("formation.measures.PAIRS_AT_ONCE", 30)  # the same in slices
+    assert MEASURES["clearance_m"].of(record) == pytest.approx(min(all_gaps))
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,7 @@ class Agent:
         self._pose: tuple[int, FloatArray] | None = None
         self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
         self._last: tuple[int, Solution, FloatArray] | None = None
+        self._said: Plan | None = None
         self._heard = -1
         self._corrupt = 0
         self._solves: list[float] = []
@@ -113,7 +114,7 @@ class Agent:
             solution = self._plan(k, stamp, own)
             solve = perf_counter() - began
             self._solves.append(solve)
-            plan = Plan(
+            plan = self._said = Plan(
                 self.robot,
                 k,
                 stamp,
@@ -139,7 +140,8 @@ class Agent:
             epoch=self.epoch,
             link=f"{self.upstream}->{self.robot}",
             age=self._belief.seconds_old(stamp),
-            belief=self._belief.plan.seq if self._belief.plan else -1,
+            plan=self._said,
+            held=self._belief.plan,
             counts=self.counts(),
             solve=solve,
             missed=missed,

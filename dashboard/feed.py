@@ -1,6 +1,7 @@
 """Everything that the world and the agents said, the newest of each: what the page is drawn from.
 
-One thread drains the inbox and only stores, so that a slow page never slows the run.
+One thread drains the inbox and only stores, so that a slow page never slows the run. Statuses, which are the most
+messages, wait outside Python until a frame is drawn.
 """
 
 import json
@@ -8,7 +9,6 @@ import threading
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from queue import Empty
 from time import monotonic
 from typing import Any
@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from dashboard.plans import PlanLog
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
 from formation.faults import Fault
@@ -27,14 +26,14 @@ from network import keys
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.rejects import Rejects
-from network.session import Kept, Presence, Sample, Session
+from network.session import Presence, Sample, Session
 
 SILENCE_SECONDS = 1.5
 """The world says its state twenty times a second; silent for so long, it is gone."""
-WAITING_PLANS = 128
-"""Plans of a robot that wait to be looked at, at every frame: more than a second's at 100 Hz."""
 WAITING_GHOSTS = 1000
 """Ghosts that wait: one that catches up says 450 in a row."""
+WAITING_STATUSES = 1000
+"""Statuses that wait for the next frame: more than a second's of the largest formation."""
 LEARN_INTERVAL = 0.25
 """Between two questions for what is flown [s]."""
 
@@ -48,7 +47,6 @@ class Seen:
     scenario: Scenario | None
     """What is flown; None until the world has said what fits `state`."""
     statuses: Mapping[int, Status]
-    plans: Mapping[int, PlanLog]
     poses: FloatArray
     """(n, 3) true poses, moved between the last two states so that motion is smooth [m, m, rad]."""
     stamp: float
@@ -62,7 +60,7 @@ class Seen:
 
 
 class Feed:
-    """Listens to a run. Plans come by the thousand, and wait outside Python until somebody looks."""
+    """Listens to a run: to what is meant for people, some hundred messages a second, however many plans there are."""
 
     def __init__(self, session: Session) -> None:
         """Subscribe; `start` then listens."""
@@ -70,7 +68,6 @@ class Feed:
         self._lock = threading.Lock()
         self._states: tuple[tuple[float, State], ...] = ()
         self._statuses: dict[int, Status] = {}
-        self._plans: dict[int, PlanLog] = {}
         self._ghosts: deque[Ghost] = deque(maxlen=WAITING_GHOSTS)
         self._scenario: tuple[int, int, Scenario] | None = None
         self._rejects = Rejects()
@@ -79,9 +76,8 @@ class Feed:
         self._thread = threading.Thread(target=self._listen, name="feed", daemon=True)
         run = session.run
         session.subscribe(keys.state(run))
-        session.subscribe(keys.status(run, "*"))
+        self._waiting = session.keep(keys.status(run, "*"), WAITING_STATUSES)
         session.subscribe(keys.ghost(run))
-        self._waiting: dict[int, Kept] = {}
         session.watch()
         session.appear("dashboard")
 
@@ -98,12 +94,11 @@ class Feed:
     def seen(self) -> Seen:
         """What is known now."""
         now = monotonic()
+        for sample in self._waiting.take():
+            self._take(sample)
         with self._lock:
-            states, statuses, plans = self._states, dict(self._statuses), dict(self._plans)
-            scenario, waiting = self._scenario, dict(self._waiting)
+            states, statuses, scenario = self._states, dict(self._statuses), self._scenario
         ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
-        for robot, log in plans.items():
-            self._take_plans(robot, log, waiting[robot])
         poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
         fits = state is not None and scenario is not None and scenario[0] == state.epoch
@@ -111,7 +106,6 @@ class Feed:
             state=state,
             scenario=scenario[2] if fits and scenario is not None else None,
             statuses=statuses,
-            plans=plans,
             poses=poses,
             stamp=stamp,
             ghosts=ghosts,
@@ -139,16 +133,8 @@ class Feed:
         except (EchelonError, ValueError) as error:
             self._rejects.add("setup", error)
             return
-        run, new = self._session.run, set(range(1, scenario.size + 1)) - self._waiting.keys()
-        subscribed = {robot: self._session.keep(keys.plan(run, robot), WAITING_PLANS) for robot in sorted(new)}
         with self._lock:
-            self._waiting |= subscribed
-            if known is None or known[0] != setup.epoch:
-                self._plans = {i: self._log(i, scenario.size) for i in range(1, scenario.size + 1)}
             self._scenario = (setup.epoch, setup.revision, scenario)
-
-    def _log(self, robot: int, robots: int) -> PlanLog:
-        return PlanLog(robot, robots, partial(self._rejects.add, keys.plan(self._session.run, robot)))
 
     # ------------------------------------------------------------------ what comes in
 
@@ -159,15 +145,18 @@ class Feed:
             except Empty:
                 continue
             if isinstance(item, Sample):
-                try:
-                    self._take(item)
-                except WireError as error:
-                    self._rejects.add(item.key, error)
+                self._take(item)
             elif isinstance(item, Presence) and item.role == "agent" and not item.here:
                 with self._lock:
                     self._statuses.pop(item.number, None)
 
     def _take(self, sample: Sample) -> None:
+        try:
+            self._put(sample)
+        except WireError as error:
+            self._rejects.add(sample.key, error)
+
+    def _put(self, sample: Sample) -> None:
         if sample.key.endswith("/ghost"):
             ghost = decode(Ghost, sample.payload)
             if not len(ghost.distance_errors) == len(ghost.angle_errors) == len(ghost.poses):
@@ -175,21 +164,15 @@ class Feed:
             self._ghosts.append(ghost)
         elif sample.key.endswith("/status"):
             status = decode(Status, sample.payload)
-            if status.sender != keys.robot_of(sample.key):
-                raise WireError(f"expected the sender named in the key; got {status.sender}")
+            senders = {status.sender} | ({status.plan.sender} if status.plan else set())
+            if senders != {keys.robot_of(sample.key)}:
+                raise WireError(f"expected the sender named in the key; got {sorted(senders)}")
             with self._lock:
                 self._statuses[status.sender] = status
         else:
             state = _checked(decode(State, sample.payload))
             with self._lock:
                 self._states = (*self._states[-1:], (monotonic(), state))
-
-    def _take_plans(self, robot: int, log: PlanLog, waiting: Kept) -> None:
-        for payload in waiting.take():
-            try:
-                log.add(payload)
-            except WireError as error:
-                self._rejects.add(keys.plan(self._session.run, robot), error)
 
 
 def _checked(state: State) -> State:

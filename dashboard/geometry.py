@@ -36,7 +36,9 @@ def segments(lines: FloatArray, z: float) -> FloatArray:
 
 def lifted(points: FloatArray, z: float) -> FloatArray:
     """Points (..., 2) as (..., 3) at height z [m]."""
-    return np.concatenate([points, np.full((*points.shape[:-1], 1), z)], axis=-1)
+    found = np.empty((*points.shape[:-1], 3))
+    found[..., :2], found[..., 2] = points, z
+    return found
 
 
 def dashed(line: FloatArray, dash: float) -> FloatArray:

@@ -11,9 +11,8 @@ import numpy as np
 from dashboard import colours, geometry
 from dashboard.links import LinkView
 from dashboard.palette import Palette
-from dashboard.plans import PlanLog
 from formation.arrays import FloatArray
-from formation.pattern import upstream
+from formation.pattern import downstream
 from network.messages import Plan, Status
 
 DASHES = 8
@@ -77,26 +76,23 @@ class Arrows:
 
 def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
     """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
-    start, end = poses[:, :2], np.roll(poses[:, :2], -1, axis=0)
-    gap = end - start
-    length = np.maximum(np.hypot(gap[:, 0], gap[:, 1]), 1e-6)[:, None]
+    start = poses[:, 0] + 1j * poses[:, 1]  # complex numbers: this is drawn in every frame
+    gap = np.roll(start, -1) - start
+    length = np.maximum(np.abs(gap), 1e-6)
     along = gap / length
-    right = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    clear = np.minimum(0.027 * sizes.unit, 0.4 * length)
-    start = start + along * clear + right * 0.011 * sizes.unit
-    end = end - along * clear + right * 0.011 * sizes.unit
-    lost = np.array([link.lost for link in links])
-    share = np.where(lost, 0.5, 1.0)
-    shaft_end = end - along * np.minimum(0.011 * sizes.unit, 0.3 * length)
-    steps = np.arange(DASHES)[None, :, None]
-    a = start[:, None] + (shaft_end - start)[:, None] * steps / DASHES
-    b = start[:, None] + (shaft_end - start)[:, None] * (steps + share[:, None, None]) / DASHES
-    shafts = np.stack([a, b], axis=2).reshape(-1, 2, 2)
+    clear, aside = along * np.minimum(0.027 * sizes.unit, 0.4 * length), along * (-0.011j * sizes.unit)
+    tip = start + gap - clear + aside
+    start = start + clear + aside
+    shaft = tip - along * np.minimum(0.011 * sizes.unit, 0.3 * length) - start
+    dashes = np.empty((len(poses), DASHES, 2))
+    dashes[..., 0] = np.arange(DASHES)
+    dashes[..., 1] = dashes[..., 0] + [[0.5 if link.lost else 1.0] for link in links]
+    shafts = start[:, None, None] + shaft[:, None, None] * (dashes / DASHES)
     z = sizes.z(layer)
     return Arrows(
-        shafts=geometry.lifted(shafts, z),
-        tips=geometry.lifted(end, z + 0.2 * sizes.z(1)),
-        directions=np.arctan2(along[:, 1], along[:, 0]),
+        shafts=geometry.lifted(shafts.view(float).reshape(-1, 2, 2), z),
+        tips=geometry.lifted(tip.view(float).reshape(-1, 2), z + 0.2 * sizes.z(1)),
+        directions=np.angle(along),
     )
 
 
@@ -115,22 +111,20 @@ def horizons(plans: list[Plan | None], poses: FloatArray, steps: int) -> FloatAr
     return geometry.roll_out(start, inputs, interval)
 
 
-def own_plans(logs: Mapping[int, PlanLog], robots: int, epoch: int) -> list[Plan | None]:
+def own_plans(statuses: Mapping[int, Status], robots: int, epoch: int) -> list[Plan | None]:
     """The newest plan of every robot."""
-    found = [logs[i].newest() if i in logs else None for i in range(1, robots + 1)]
-    return [plan if plan is not None and plan.epoch == epoch else None for plan in found]
+    plans = [statuses[i].plan if i in statuses else None for i in range(1, robots + 1)]
+    return [plan if plan is not None and plan.epoch == epoch else None for plan in plans]
 
 
-def held_plans(
-    logs: Mapping[int, PlanLog], statuses: Mapping[int, Status], robots: int, epoch: int
-) -> list[Plan | None]:
+def held_plans(statuses: Mapping[int, Status], robots: int, epoch: int) -> list[Plan | None]:
     """The plan of every robot that the one downstream of it still goes by, in the order of the senders."""
-    held: list[Plan | None] = [None] * robots
-    for receiver in range(1, robots + 1):
-        sender, status = upstream(receiver, robots), statuses.get(receiver)
-        if status is not None and status.epoch == epoch and status.belief >= 0 and sender in logs:
-            held[sender - 1] = logs[sender].numbered(status.belief, epoch)
-    return held
+    receivers = [downstream(sender, robots) for sender in range(1, robots + 1)]
+    plans = [statuses[i].held if i in statuses else None for i in receivers]
+    return [
+        plan if plan is not None and (plan.epoch, plan.sender) == (epoch, sender) else None
+        for sender, plan in enumerate(plans, start=1)
+    ]
 
 
 def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:

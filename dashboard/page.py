@@ -29,12 +29,16 @@ from dashboard.sheet import sheet
 from dashboard.taps import Taps
 from dashboard.words import legend
 from network.lifetime import Lifetime
+from network.messages import State
 from network.session import Session
 
 FRAME = 1.0 / 30.0
 CROWD_FRAME = 1.0 / 18.0
 CROWD = 20
 """With more robots than this fewer frames are drawn: a page without a graphics card could not follow."""
+UNWATCHED_FRAME = 0.5
+STATE_INTERVAL = 0.05
+"""The world says its state so often [s]."""
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
 NOBODY = "none"
@@ -57,6 +61,8 @@ class Page:
         self._mishaps = Mishaps("drawing a frame")
         self._panel_at = self._plot_at = 0.0
         self._told: tuple[object, ...] = ()
+        self._kept: tuple[State, bool] | None = None
+        self._views: list[LinkView] = []
         self._palette = DARK
         self._turn = 0
         self._dress()
@@ -173,26 +179,51 @@ class Page:
         due, robots = monotonic(), 0
         while not lifetime.over:
             try:
-                robots = self._frame()
+                robots = self._frame() if self._watched else self._idle()
             except Exception:
                 self._mishaps.note()
-            due = max(due + (CROWD_FRAME if robots > CROWD else FRAME), monotonic())
+            due = max(due + self._pause(robots), monotonic())
             sleep(max(0.0, due - monotonic()))
         self._desk.stop()
         self._feed.stop()
 
+    @property
+    def _watched(self) -> bool:
+        """Whether somebody looks; if not, what the next page will see first is drawn now and then all the same."""
+        return bool(self._server.get_clients()) or monotonic() - self._panel_at >= UNWATCHED_FRAME
+
+    def _pause(self, robots: int) -> float:
+        """From this frame to the next [s]."""
+        if not self._server.get_clients():
+            return STATE_INTERVAL
+        return CROWD_FRAME if robots > CROWD else FRAME
+
+    def _idle(self) -> int:
+        """Only keep what is wanted later; returns the number of robots."""
+        seen, _ = self._keep()
+        return len(seen.poses)
+
+    def _keep(self) -> tuple[Seen, list[LinkView]]:
+        """What is known now, put down for the plots and for taking away."""
+        seen = self._feed.seen()
+        state, known = seen.state, seen.scenario is not None
+        if state is not None and known:
+            self._history.ghost.follow(state, seen.ghosts)
+        if state is not None and self._kept != (state, known):
+            self._kept = state, known
+            self._views = links(state, seen.statuses)
+            if known:
+                self._history.add(state, self._views, solves(seen))
+                self._recording.add(state, self._views, seen.statuses)
+        return seen, self._views
+
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
-        seen = self._feed.seen()
+        seen, views = self._keep()
         state = seen.state
-        views = links(state, seen.statuses) if state is not None else []
         with self._server.atomic():
             self._scene.dress(self._palette)
-            if state is not None and seen.scenario is not None:
-                self._history.ghost.follow(state, seen.ghosts)
-                self._history.add(state, views, solves(seen))
-                self._recording.add(state, views, seen.statuses)
-                self._scene.draw(seen, views, self._history)
+            self._scene.draw(seen, views, self._history)
             now, news = monotonic(), self._news(seen)
             if now - self._panel_at >= PANEL_INTERVAL or news != self._told:
                 self._draw_panels(seen, views, whole=news != self._told)

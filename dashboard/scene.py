@@ -17,10 +17,10 @@ from formation.arrays import FloatArray
 from formation.scenario import Scenario
 from network.messages import State
 
+SLOW = 3
+"""Trails, which are the most bytes, plans, which are told ten times a second, and colours: in every so many frames."""
 MANY = 8
-"""The plans of more robots are drawn with every other state only: finding and decoding them is what costs most."""
-TRAIL_EVERY = 3
-"""Frames between two updates of the trails, which are the most bytes."""
+"""Between more robots links and edges are drawn in every other frame."""
 GHOST = "Ghost"
 LAYERS = {
     "Trails": ("/trails",),
@@ -53,7 +53,7 @@ class Scene:
         self._nodes: dict[str, Any] = {}
         self._hidden: set[str] = set()
         self._scenario: Scenario | None = None
-        self._frame = self._states = 0
+        self._frame = 0
         self._strokes: FloatArray = np.empty((0, 2, 2))
         self._stroke_owner: np.ndarray[Any, np.dtype[np.intp]] = np.empty(0, dtype=np.intp)
         self.focus: int | None = None
@@ -111,22 +111,27 @@ class Scene:
                 self._build(scenario)
             self._scenario = scenario
         self._frame += 1
-        self._move(seen.poses, links)
-        trails = self._frame % TRAIL_EVERY == 1
+        self._move(seen.poses)
+        if scenario.size <= MANY or self._frame % 2:
+            self._connect(seen.poses, links)
+        trails = self._frame % SLOW == 1
         if trails:
             self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
         if self._ghost is not None:
             self._ghost.allow(self._ghost_shown)
             self._ghost.draw(history.ghost, seen.stamp, trails=trails)
-        if state is not self._state or self._focus_drawn != self.focus:
-            self._state, self._focus_drawn = state, self.focus
+        if state is not self._state:
+            self._state = state
+            self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
+            self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
+        if self._frame % SLOW == 2:
+            self._plan(seen, state, scenario.controller.horizon)
+        if self._frame % SLOW == 0 or self._focus_drawn != self.focus:
+            self._focus_drawn = self.focus
             self._recolour(state, links)
-            self._states += 1
-            if scenario.size <= MANY or self._states % 2:
-                self._plan(seen, state, scenario.controller.horizon)
 
-    def _move(self, poses: FloatArray, links: list[LinkView]) -> None:
-        """What moves in every frame."""
+    def _move(self, poses: FloatArray) -> None:
+        """The robots."""
         drawn, sizes = self._nodes, self._sizes
         turned = geometry.turns(poses[:, 2])
         for name, layer in (("/outlines", 9), ("/bodies", 10)):
@@ -134,6 +139,10 @@ class Scene:
             drawn[name].batched_wxyzs = turned
         strokes = self._strokes + poses[self._stroke_owner, None, :2]
         drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
+
+    def _connect(self, poses: FloatArray, links: list[LinkView]) -> None:
+        """What is between them."""
+        drawn, sizes = self._nodes, self._sizes
         drawn["/edges"].points = layers.edges(poses, sizes.z(6))
         arrows = layers.arrows(poses, links, sizes, 7)
         drawn["/links"].points = arrows.shafts
@@ -141,12 +150,10 @@ class Scene:
         drawn["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
 
     def _recolour(self, state: State, links: list[LinkView]) -> None:
-        """What changes with every state."""
+        """What is healthy, and what is not."""
         drawn, n = self._nodes, len(state.poses)
         drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
         drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, self._palette)
-        drawn["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
-        drawn["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
         looks = (n, lost, stopped, self.focus)
         if looks != self._looks:
@@ -158,9 +165,9 @@ class Scene:
     def _plan(self, seen: Seen, state: State, steps: int) -> None:
         """What robots want, and what their neighbours believe of it."""
         n, z = len(state.poses), self._sizes.z
-        own = layers.horizons(layers.own_plans(seen.plans, n, state.epoch), seen.poses, steps)
+        own = layers.horizons(layers.own_plans(seen.statuses, n, state.epoch), seen.poses, steps)
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
-        held = layers.horizons(layers.held_plans(seen.plans, seen.statuses, n, state.epoch), seen.poses, steps)
+        held = layers.horizons(layers.held_plans(seen.statuses, n, state.epoch), seen.poses, steps)
         dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]
         self._nodes["/beliefs"].points = dashes.reshape(-1, 2, 3)
 

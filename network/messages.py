@@ -50,7 +50,6 @@ Inputs = Annotated[FloatArray, _array(2)]
 """(N, 2) v, omega [m/s, rad/s]."""
 Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
 """(n,)."""
-Whole = Annotated[int, Field(strict=True, ge=-1, lt=2**63)]
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
 Real = Annotated[float, Field(strict=True)]
@@ -142,7 +141,7 @@ class LinkCounts:
     __pydantic_config__ = _STRICT
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Status:
     """Agent to people, ten times a second: how it is doing."""
 
@@ -154,8 +153,10 @@ class Status:
     """Name of the link from its upstream neighbour."""
     age: NonNegative
     """Age of the newest plan that arrived over it [s]."""
-    belief: Whole
-    """seq of that plan; -1 before the first."""
+    plan: Plan | None
+    """The newest plan that it sent; None before the first."""
+    held: Plan | None
+    """The plan of its upstream neighbour that it goes by, however old; None before the first."""
     counts: LinkCounts
     solve: NonNegative
     """Mean wall-clock time per plan since the last status [s]."""

@@ -127,7 +127,7 @@ class Session:
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
     def keep(self, key: str, depth: int) -> "Kept":
-        """Payloads on this key are kept outside the inbox from now on, the newest `depth` of them."""
+        """Samples on this key expression are kept outside the inbox from now on, the newest `depth` of them."""
         return Kept(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
 
     def unsubscribe(self, key: str) -> None:
@@ -226,15 +226,15 @@ class Session:
 
 
 class Kept:
-    """Payloads that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
+    """Samples that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber
 
-    def take(self) -> Iterator[bytes]:
+    def take(self) -> Iterator[Sample]:
         """Everything that has come in since the last look, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
-            yield sample.payload.to_bytes()
+            yield Sample(str(sample.key_expr), sample.payload.to_bytes())
 
 
 class Router:

@@ -41,8 +41,10 @@ def answers(mind: Agent, pose: FloatArray, ticks: range) -> list[Answer]:
     return [mind.step(k, k * TICK, pose) for k in ticks]
 
 
-def status(mind: Agent, k: int) -> Status:
-    return mind.status(k, k * TICK)
+def believed(mind: Agent, k: int) -> int:
+    """Number of the plan that it goes by at tick k; -1 for none."""
+    held = mind.status(k, k * TICK).held
+    return -1 if held is None else held.seq
 
 
 POSE = start(load("circle"), 1)
@@ -56,7 +58,7 @@ def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
     mind.receive(plan(0))
     command = mind.step(1, TICK, POSE).command
     assert command.age == pytest.approx(TICK)
-    assert status(mind, 1).belief == 0
+    assert believed(mind, 1) == 0
     assert mind.counts().sent == mind.counts().delivered == 1
 
 
@@ -70,7 +72,7 @@ def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger: Any) -> None:
     mind.receive(stranger)
     got, expected = mind.step(1, TICK, POSE), alone.step(1, TICK, POSE)
     assert mind.counts().sent == 0
-    assert status(mind, 1).belief == -1
+    assert believed(mind, 1) == -1
     assert (got.command.v, got.command.omega) == (expected.command.v, expected.command.omega)
     assert got.command.age == pytest.approx(TICK)  # since the start of the flight
 
@@ -101,11 +103,11 @@ def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None
     mind.set_faults({})
     mind.receive(plan(10))
     mind.step(11, 0.11, POSE)
-    assert status(mind, 11).belief == 10
+    assert believed(mind, 11) == 10
     command = mind.step(60, 0.60, POSE).command
     assert mind.counts().late == 1
     assert mind.counts().delivered == 2
-    assert status(mind, 60).belief == 10
+    assert believed(mind, 60) == 10
     assert command.age == pytest.approx(0.5)
 
 
@@ -118,7 +120,7 @@ def test_a_damaged_plan_is_counted_and_not_used() -> None:
         assert answer.command.v == alone_answer.command.v
     c = mind.counts()
     assert (c.sent, c.delivered, c.corrupt) == (5, 5, 5)
-    assert status(mind, 4).belief == -1
+    assert believed(mind, 4) == -1
 
 
 def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
@@ -127,9 +129,9 @@ def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
     mind.receive(plan(0))
     for k in range(5):
         assert mind.step(k, k * TICK, POSE).command.v == alone.step(k, k * TICK, POSE).command.v
-        assert status(mind, k).belief == -1
+        assert believed(mind, k) == -1
     command = mind.step(5, 0.05, POSE).command
-    assert status(mind, 5).belief == 0
+    assert believed(mind, 5) == 0
     assert command.age == pytest.approx(0.05)
 
 
@@ -203,12 +205,16 @@ def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
     mind.receive(plan(0))
     mind.step(3, 0.03, POSE)
     said = mind.status(3, 0.03, missed=4, rejected=5, pid=6)
-    assert (said.sender, said.link, said.belief) == (1, "2->1", 0)
+    assert (said.sender, said.link) == (1, "2->1")
+    assert said.held is not None
+    assert (said.held.sender, said.held.seq) == (2, 0)
+    assert said.plan is not None
+    assert (said.plan.sender, said.plan.seq) == (1, 3)
     assert said.age == pytest.approx(0.03)
     assert (said.missed, said.rejected, said.pid) == (4, 5, 6)
     assert said.solve > 0.0
     assert said.gap >= 0.0
-    assert decode(Status, encode(said)) == said
+    assert encode(decode(Status, encode(said))) == encode(said)
 
 
 def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:

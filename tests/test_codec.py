@@ -39,7 +39,6 @@ from network.messages import (
 KINDS = typing.get_args(Message)
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 COUNT = st.integers(0, 2**63 - 1)
-WHOLE = st.integers(-1, 2**63 - 1)
 SENDER = st.integers(0, 64)
 NON_NEGATIVE = st.floats(0.0, allow_nan=False, allow_infinity=False)
 POSITIVE = st.floats(0.0, exclude_min=True, allow_nan=False, allow_infinity=False)
@@ -74,6 +73,16 @@ EVENTS = st.builds(
     text=TEXT,
 )
 FAULTS = st.dictionaries(TEXT, TABLE, max_size=2)
+PLANS = st.builds(
+    Plan,
+    sender=SENDER,
+    seq=COUNT,
+    stamp=NON_NEGATIVE,
+    epoch=COUNT,
+    pose=POSE,
+    interval=POSITIVE,
+    inputs=arrays(2),
+)
 BUILDERS: dict[type, st.SearchStrategy] = {
     Tick: st.builds(
         Tick,
@@ -86,16 +95,7 @@ BUILDERS: dict[type, st.SearchStrategy] = {
         planned=st.lists(SENDER, max_size=3),
         last=FLAG,
     ),
-    Plan: st.builds(
-        Plan,
-        sender=SENDER,
-        seq=COUNT,
-        stamp=NON_NEGATIVE,
-        epoch=COUNT,
-        pose=POSE,
-        interval=POSITIVE,
-        inputs=arrays(2),
-    ),
+    Plan: PLANS,
     Command: st.builds(
         Command,
         sender=SENDER,
@@ -116,7 +116,8 @@ BUILDERS: dict[type, st.SearchStrategy] = {
         epoch=COUNT,
         link=TEXT,
         age=NON_NEGATIVE,
-        belief=WHOLE,
+        plan=st.none() | PLANS,
+        held=st.none() | PLANS,
         counts=COUNTS,
         solve=NON_NEGATIVE,
         missed=COUNT,

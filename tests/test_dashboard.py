@@ -20,15 +20,13 @@ from dashboard.access import Guard
 from dashboard.desk import Desk
 from dashboard.feed import Feed
 from dashboard.history import History
-from dashboard.layers import held_plans, outline_colours
+from dashboard.layers import held_plans, outline_colours, own_plans
 from dashboard.links import LOST_SECONDS, LinkView, links
 from dashboard.page import Page
 from dashboard.palette import DARK, LIGHT
-from dashboard.plans import KEPT_BYTES, PLAN_BYTES, PlanLog
 from dashboard.series import POINTS
 from dashboard.server import serve
 from formation import unicycle
-from formation.errors import WireError
 from formation.faults import links_named
 from formation.scenario import load
 from network import keys
@@ -44,7 +42,15 @@ def plan(sender: int, seq: int, epoch: int = 0) -> Plan:
     return Plan(sender, seq, 0.01 * seq, epoch, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
 
 
-def status(sender: int, upstream: int, *, belief: int = -1, age: float = 0.0, stamp: float = 1.0) -> Status:
+def status(
+    sender: int,
+    upstream: int,
+    *,
+    plan: Plan | None = None,
+    held: Plan | None = None,
+    age: float = 0.0,
+    stamp: float = 1.0,
+) -> Status:
     return Status(
         sender=sender,
         seq=100,
@@ -52,7 +58,8 @@ def status(sender: int, upstream: int, *, belief: int = -1, age: float = 0.0, st
         epoch=0,
         link=f"{upstream}->{sender}",
         age=age,
-        belief=belief,
+        plan=plan,
+        held=held,
         counts=LinkCounts(),
         solve=0.0,
         missed=0,
@@ -139,64 +146,16 @@ def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
     assert (every["latency"], every["cut"]) == (0.3, True)
 
 
-@given(st.integers(1, 3), st.lists(st.booleans(), min_size=30, max_size=60))
-def test_a_plan_is_found_by_its_number(step: int, arrived: list[bool]) -> None:
-    log = PlanLog(1, 3)
-    kept = [step * i for i, here in enumerate(arrived) if here]
-    for seq in kept:
-        log.add(encode(plan(1, seq)))
-    for seq in kept[-5:]:
-        found = log.numbered(seq, 0)
-        assert found is None or found.seq == seq
-    if all(arrived):
-        assert all(log.numbered(seq, 0) is not None for seq in kept)
-    assert log.numbered(10_000, 0) is None
-    assert log.numbered(kept[-1] if kept else 0, 1) is None
-
-
-def test_garbage_among_plans_is_passed_over() -> None:
-    rejected: list[WireError] = []
-    log = PlanLog(1, 3, rejected.append)
-    for damaged in (b"garbage", b"", encode(plan(1, 1))[:-1], seal(bytes(PLAN_BYTES))):
-        with pytest.raises(WireError):
-            log.add(damaged)
-    log.add(encode(plan(2, 1)))
-    assert log.newest() is None
-    for seq in (2, 3):
-        log.add(encode(plan(1, seq)))
-        for _ in range(20):
-            log.add(seal(b"whole, but not a plan"))
-    found = log.newest()
-    assert found is not None
-    assert found.seq == 3
-    held = log.numbered(2, 0)
-    assert held is not None
-    assert held.seq == 2
-    assert len(rejected) == 41, "each is told once"
-
-
-def test_the_largest_plan_there_can_be_is_kept() -> None:
-    log = PlanLog(64, 64)
-    largest = 2**62
-    log.add(encode(Plan(64, largest, 1e300, largest, np.full(3, 0.1), 0.1, np.full((100, 2), 0.1))))
-    assert log.newest() is not None
-
-
-def test_the_memory_for_plans_is_bounded_in_bytes() -> None:
-    log = PlanLog(1, 64)
-    payload = seal(bytes(PLAN_BYTES - 4))
-    for _ in range(200):
-        log.add(payload)
-    assert sum(entry.size for entry in log._entries) <= KEPT_BYTES // 64
-
-
 def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None:
-    logs = {i: PlanLog(i, 3) for i in (1, 2, 3)}
-    for seq in range(50):
-        for i, log in logs.items():
-            log.add(encode(plan(i, seq)))
-    held = held_plans(logs, {2: status(2, 1, belief=7), 1: status(1, 3, belief=49)}, 3, 0)
-    assert [None if p is None else (p.sender, p.seq) for p in held] == [(1, 7), None, (3, 49)]
+    said = {
+        1: status(1, 3, plan=plan(1, 99), held=plan(3, 49)),
+        2: status(2, 1, plan=plan(2, 99), held=plan(1, 7)),
+        3: status(3, 2, plan=plan(3, 99, epoch=1), held=plan(1, 8)),  # of another flight; of somebody else
+    }
+    numbers = [
+        [None if p is None else (p.sender, p.seq) for p in plans(said, 3, 0)] for plans in (own_plans, held_plans)
+    ]
+    assert numbers == [[(1, 99), (2, 99), None], [(1, 7), None, (3, 49)]]
 
 
 def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
@@ -339,7 +298,7 @@ class _Line:
 
     def __init__(self) -> None:
         self.inbox: SimpleQueue[Incoming] = SimpleQueue()
-        self.kept: dict[str, list[bytes]] = {}
+        self.kept: dict[str, list[Sample]] = {}
 
     def keep(self, key: str, depth: int) -> Any:
         waiting = self.kept.setdefault(key, [])
@@ -364,10 +323,7 @@ class _Line:
 def _take(feed: Feed, key: str, payload: bytes) -> bool:
     """Whether it was taken, not rejected."""
     before = feed._rejects.count
-    try:
-        feed._take(Sample(key, payload))
-    except WireError as error:
-        feed._rejects.add(key, error)
+    feed._take(Sample(key, payload))
     return feed._rejects.count == before
 
 
@@ -402,17 +358,23 @@ def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
     assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
 
 
-def test_damaged_plans_are_counted() -> None:
+def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
     line = _Line()
     feed = Feed(line)  # type: ignore[arg-type]
-    assert _take(feed, keys.state("x"), encode(state()))
-    feed.learn()
-    for payload in (encode(plan(1, 5)), b"garbage", seal(b"whole, but not a plan")):
-        line.kept[keys.plan("x", 1)].append(payload)
-    found = feed.seen().plans[1].newest()
-    assert found is not None
-    assert found.seq == 5
-    assert feed._rejects.count == 2
+    good = status(1, 3, plan=plan(1, 5))
+    for sender, payload in (
+        (1, encode(good)),
+        (1, b"garbage"),
+        (1, seal(b"whole, but no status")),
+        (2, encode(good)),
+        (3, encode(status(3, 2, plan=plan(1, 5)))),
+    ):
+        line.kept[keys.status("x", "*")].append(Sample(keys.status("x", sender), payload))
+    said = feed.seen().statuses
+    assert list(said) == [1]
+    assert said[1].plan is not None
+    assert said[1].plan.seq == 5
+    assert feed._rejects.count == 4
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 from network import keys
 from network.codec import decode
 from network.messages import Command
-from network.session import Kept, Router, Session
+from network.session import Kept, Router, Sample, Session
 
 
 @pytest.fixture
@@ -27,9 +27,9 @@ def say(session: Session, numbers: range) -> None:
         session.publish(keys.command("x", 1), Command(1, seq, 0.0, 0, 0.0, 0.0, 0.0, False, 0.0))
 
 
-def heard(kept: Kept, least: int) -> list[bytes]:
+def heard(kept: Kept, least: int) -> list[Sample]:
     """What has come in once there is so much of it."""
-    found: list[bytes] = []
+    found: list[Sample] = []
     end = time.monotonic() + 20.0
     while len(found) < least and time.monotonic() < end:
         found += kept.take()
@@ -44,7 +44,7 @@ def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple
     time.sleep(0.2)
     say(sender, range(20))
     found = heard(kept, 20)
-    assert [decode(Command, payload).seq for payload in found] == list(range(20))
+    assert [decode(Command, sample.payload).seq for sample in found] == list(range(20))
     assert list(kept.take()) == []
     assert listener.inbox.empty()
 

@@ -53,9 +53,9 @@ class Haunt:
 
     def _turn(self) -> float:
         """Do what there is to do for a moment; returns how long to rest [s]."""
-        for payload in self._states.take():
+        for sample in self._states.take():
             try:
-                self._state = decode(State, payload)
+                self._state = decode(State, sample.payload)
             except WireError as error:
                 self._rejects.add("state", error)
         state = self._state

@@ -39,12 +39,14 @@ PIXEL = """([x, y, z]) => {
 class Driven:
     """One page of the dashboard."""
 
-    def __init__(self, browser: "Browser", url: str, *, token: str | None = None) -> None:
-        """Open it, with a token if it wants one."""
+    def __init__(
+        self, browser: "Browser", url: str, *, token: str | None = None, width: int = 1120, height: int = 640
+    ) -> None:
+        """Open it in a window of this size, with a token if it wants one."""
         self.url, self._token = url, token
         self.errors: list[str] = []
         self.requests: list[str] = []
-        self.page = browser.new_page(viewport={"width": 1120, "height": 640})
+        self.page = browser.new_page(viewport={"width": width, "height": height})
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", self._note_request)
@@ -62,6 +64,11 @@ class Driven:
         self.url = url
         self.page.goto(f"{url}/?fixedDpr=1" + (f"&token={self._token}" if self._token else ""))
         self.page.wait_for_function(READY, timeout=120_000, polling=100)
+
+    @property
+    def frames(self) -> int:
+        """Frames drawn so far."""
+        return int(self.page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
 
     def text(self) -> str:
         """All that can be read."""

@@ -1,0 +1,93 @@
+"""A run whose world and minds share one process: what the page of a large formation hears, on a machine with few cores.
+
+python -m benchmarks.ensemble --run NAME --connect ENDPOINT --scenario NAME [--set KEY=VALUE]
+
+Its world is the world of any run (world/process.py). A tick is answered here instead of by processes of their own:
+plans go out over Zenoh as theirs would, and so do statuses; commands come in without it.
+"""
+
+import argparse
+import sys
+
+from agents.agent import Agent, Answer
+from agents.process import STATUS_INTERVAL
+from formation.pattern import downstream
+from formation.scenario import load
+from network import keys
+from network.codec import encode
+from network.lifetime import Lifetime
+from network.messages import Message, Tick
+from network.session import Presence, Sample, Session
+from world.process import Driver
+from world.world import World
+
+
+class Ensemble(Session):
+    """The world's place on the network, with every mind behind it."""
+
+    def __init__(self, endpoint: str, run: str) -> None:
+        super().__init__(endpoint, run)
+        self.world: World | None = None
+        self._agents: dict[int, Agent] = {}
+        self._flown: tuple[int, int] | None = None
+        self._before: dict[int, Answer] = {}
+        self._statuses_due = 0.0
+
+    def rehearse(self, world: World) -> None:
+        """Every mind of the world's scenario is here from now on."""
+        self.world = world
+        for robot in world.robots:
+            self.announce(keys.plan(self.run, robot))
+            self.announce(keys.status(self.run, robot))
+            self.appear("agent", robot)
+            self.inbox.put(Presence("agent", robot, True))
+
+    def publish(self, key: str, message: Message) -> None:
+        """A tick is answered at once; everything else goes out."""
+        super().publish(key, message)
+        if isinstance(message, Tick):
+            self._answer(message)
+
+    def _answer(self, tick: Tick) -> None:
+        world = self.world
+        assert world is not None
+        if self._flown is None or self._flown[0] != tick.epoch:
+            self._agents = {robot: Agent(world.scenario, robot, epoch=tick.epoch) for robot in world.robots}
+            self._before, self._statuses_due = {}, 0.0
+        if self._flown != (tick.epoch, tick.revision):
+            self._flown = tick.epoch, tick.revision
+            for agent in self._agents.values():
+                agent.set_faults(world.faults.table)
+        for robot, answer in self._before.items():
+            if answer.plan is not None:
+                self._agents[downstream(robot, len(self._agents))].receive(answer.plan)
+        for robot, agent in self._agents.items():
+            self._before[robot] = answer = agent.step(tick.seq, tick.stamp, tick.poses[robot - 1])
+            if answer.plan is not None:
+                super().publish(keys.plan(self.run, robot), answer.plan)
+            self.inbox.put(Sample(keys.command(self.run, robot), encode(answer.command)))
+        if tick.stamp >= self._statuses_due:
+            self._statuses_due = tick.stamp + STATUS_INTERVAL
+            for robot, agent in self._agents.items():
+                super().publish(keys.status(self.run, robot), agent.status(tick.seq, tick.stamp))
+
+
+def main() -> int:
+    """Fly until told to end."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--run", required=True)
+    parser.add_argument("--connect", required=True)
+    parser.add_argument("--scenario", required=True)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    options = parser.parse_args()
+    scenario = load(options.scenario, options.settings)
+    with Ensemble(options.connect, options.run) as session:
+        world = World(scenario, endless=True)
+        driver = Driver(session, world, Lifetime(session.wake), speed=1.0, start=True)
+        session.rehearse(world)
+        driver.run()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

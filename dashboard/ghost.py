@@ -20,6 +20,8 @@ FAR_BEHIND = 1.0
 VERDICT_SECONDS = 20.0
 """The errors of so long are compared."""
 VERDICT_ROWS = 10
+FAR_BETTER = 1000.0
+"""Beyond this factor its digits say nothing."""
 NOTHING_MM = 1e-3
 """Errors below a micrometre are all the same on the ground."""
 
@@ -107,8 +109,10 @@ class Verdict:
         factor = max(live, ghost) / min(live, ghost)
         if factor < 1.05:
             return "the same"
-        figure = f"{factor:.1f}" if factor < 9.95 else f"{float(f'{factor:.2g}'):,.0f}".replace(",", " ")
-        return f"{figure} x {'better' if live < ghost else 'worse'}"
+        word = "better" if live < ghost else "worse"
+        if factor > FAR_BETTER:
+            return f"> {FAR_BETTER:.0f} x {word}"
+        return f"{factor:.1f} x {word}" if factor < 9.95 else f"{float(f'{factor:.2g}'):.0f} x {word}"
 
 
 def verdicts(series: Mapping[str, FloatArray]) -> list[Verdict]:

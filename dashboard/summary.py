@@ -7,8 +7,10 @@ from dashboard.layers import DISTANCE_LIMIT
 from dashboard.links import LOST_SECONDS, LinkView, oldest
 from dashboard.palette import DARK, hue
 from dashboard.words import FONT, MUTED, duration, length, light
-from network.messages import State
+from network.messages import State, Status
 
+WAITS_SECONDS = 0.05
+"""A robot that is further behind the clock waits for somebody, or cannot keep up."""
 TRACKING_LIMIT = 0.025
 """The centre is off its path from here on [m]."""
 
@@ -52,10 +54,19 @@ def condition(seen: Seen) -> tuple[str, str, str]:
         return "WAITING", amber, f"Waiting for the agents of robots {names}."
     if state.status == "finished":
         return "FINISHED", grey, "The flight is over. Fly again starts it anew."
-    note = ""
+    note, behind = "", max((lag(status, state) for status in seen.statuses.values()), default=0.0)
+    if behind > WAITS_SECONDS:
+        number, unit = duration(behind)
+        note = f"The robots wait for one another, {number} {unit} behind the clock; the rings are where it wants them."
     if state.waiting_for:
         note = "No agent for robots " + ", ".join(map(str, state.waiting_for)) + ": they stand still."
     return ("RUNNING", green, note) if state.status == "running" else ("PAUSED", amber, note)
+
+
+def lag(status: Status | None, state: State) -> float:
+    """How far a robot is behind the clock by its own account [s]; 0 if it has not said."""
+    plan = status.plan if status is not None else None
+    return plan.lag if plan is not None and plan.epoch == state.epoch else 0.0
 
 
 def _tiles(state: State, views: list[LinkView]) -> str:

@@ -5,7 +5,7 @@ from html import escape
 from dashboard.feed import Seen
 from dashboard.links import LinkView
 from dashboard.palette import hue
-from dashboard.summary import robot_word
+from dashboard.summary import WAITS_SECONDS, lag, robot_word
 from dashboard.taps import Taps
 from dashboard.words import FONT, LINE, MUTED, TABLE, arrow, duration, fault_words, length, light, remark
 from network.messages import State, Status
@@ -15,9 +15,10 @@ NOTHING = "·"
 
 _HEADS = ("", "agent", "age", "solve", "missed", "error", "gap", "")
 _NOTE = (
-    "age: of the newest plan from the robot upstream. solve: wall clock per plan. missed: ticks not answered in "
-    "time. error: of the distance to the robot upstream. gap: what it could gain by changing its plan alone. "
-    "Press a robot to follow it; kill its agent and see what the others do."
+    "agent: alive, or how far behind the clock because robots wait for one another. age: of the newest plan from the "
+    "robot upstream. solve: wall clock per plan [ms]. missed: ticks not answered in time. error: of the distance to "
+    "the robot upstream. gap: what it could gain by changing its plan alone. Press a robot to follow it; kill its "
+    "agent and see what the others do."
 )
 
 
@@ -36,7 +37,7 @@ def robots(seen: Seen, views: list[LinkView], taps: Taps) -> str:
 
 
 def _row(tag: str, style: str, cells: tuple[str, ...]) -> str:
-    each = "text-align:right;padding:4px 3px;white-space:nowrap"
+    each = "text-align:right;padding:4px 2px;white-space:nowrap"
     return f'<tr style="{style}">' + "".join(f'<{tag} style="{each}">{cell}</{tag}>' for cell in cells) + "</tr>"
 
 
@@ -44,7 +45,7 @@ def _orders(state: State, robot: int, taps: Taps) -> str:
     """What can be done with a robot's agent now."""
     down = robot in state.dismissed
     offered = [("restart", "ok")] if down else [("kill", "bad"), ("restart", "muted")]
-    look = "border:1px solid;border-radius:3px;padding:0 4px;margin-left:3px;display:inline-block"
+    look = "border:1px solid;border-radius:3px;padding:0 3px;margin-left:2px;display:inline-block"
     return "".join(
         f'<span {taps.tap(verb, robot)} style="{look};color:var(--{colour})">{verb}</span>' for verb, colour in offered
     )
@@ -54,10 +55,12 @@ def _robot(state: State, robot: int, status: Status | None, view: LinkView) -> t
     word = robot_word(state, robot)
     fresh = status if status is not None and status.epoch == state.epoch else None
     pid = f"process {fresh.pid}" if fresh is not None and robot in state.live else "no process"
+    level, behind = 0.0 if word == "OK" else 1.0, lag(fresh, state)
+    if word == "OK" and behind > WAITS_SECONDS:
+        level, word = 0.5, f"−{' '.join(duration(behind))}"
     own = (
         f'<span style="color:{hue(robot, len(state.poses))}">●</span>&nbsp;<b>R{robot}</b>',
-        f'<span title="{pid}" style="color:{light(0.0 if word == "OK" else 1.0)}">'
-        f"{'alive' if word == 'OK' else word}</span>",
+        f'<span title="{pid}" style="color:{light(level)}">{"alive" if word == "OK" else word}</span>',
         NOTHING
         if view.age is None
         else f'<span style="color:{light(view.level)}">{" ".join(duration(view.age))}</span>',
@@ -65,7 +68,7 @@ def _robot(state: State, robot: int, status: Status | None, view: LinkView) -> t
     error = " ".join(length(abs(float(state.distance_errors[robot - 1]))))
     if fresh is None:
         return (*own, NOTHING, NOTHING, error, NOTHING)
-    return (*own, f"{1e3 * fresh.solve:.2f} ms", str(fresh.missed), error, f"{fresh.gap:.0e}")
+    return (*own, f"{1e3 * fresh.solve:.2f}", str(fresh.missed), error, f"{fresh.gap:.0e}")
 
 
 _TINTS = {"run": "var(--r1)", "fault": "var(--warn)", "wire": "var(--warn)"}

@@ -1,5 +1,6 @@
 """The ghost in words: how the live flight does beside it."""
 
+from collections.abc import Sequence
 from html import escape
 
 from dashboard.ghost import FAR_BEHIND, VERDICT_SECONDS, Verdict, verdicts
@@ -19,8 +20,9 @@ def comparison(state: State, history: History) -> str:
     found = verdicts(history.series())
     if not found:
         return f'<div style="{FONT};{MUTED};padding:0 14px 6px 10px">{escape(_waiting(state, history))}</div>'
-    head = (f"RMS, {VERDICT_SECONDS:.0f} s", state.controller, f"┅ {state.compare}", "")
-    rows = _row(head, "") + "".join(_verdict(verdict) for verdict in found)
+    head = (f"RMS, {VERDICT_SECONDS:.0f} s", state.controller, f"┅ {state.compare}")
+    rows = _row(head, (MUTED, "text-align:right", f"grid-column:span 2;padding-left:10px;{_GHOST}"))
+    rows += "".join(_verdict(verdict) for verdict in found)
     return f'<div style="padding:0 14px 8px 10px"><div style="{CARD};{_GRID}">{rows}</div></div>'
 
 
@@ -34,11 +36,12 @@ def _waiting(state: State, history: History) -> str:
 def _verdict(verdict: Verdict) -> str:
     live, ghost = (" ".join(length(1e-3 * value)) for value in (verdict.live, verdict.ghost))
     tone = {"better": "ok", "worse": "bad"}.get(verdict.words.split()[-1], "muted")
-    return _row((verdict.name, live, ghost, verdict.words), f"color:var(--{tone});font-weight:700")
+    tinted = f"text-align:right;color:var(--{tone});font-weight:700"
+    styles = (MUTED, "text-align:right", f"text-align:right;{_GHOST}", tinted)
+    return _row((verdict.name, live, ghost, verdict.words), styles)
 
 
-def _row(cells: tuple[str, str, str, str], last: str) -> str:
-    styles = (MUTED, "text-align:right", f"text-align:right;{_GHOST}", f"text-align:right;{last}")
+def _row(cells: Sequence[str], styles: Sequence[str]) -> str:
     return "".join(
         f'<span style="white-space:nowrap;{style}">{escape(cell)}</span>'
         for style, cell in zip(styles, cells, strict=True)

@@ -1,5 +1,6 @@
 """Laws of what the dashboard shows, without a browser."""
 
+import dataclasses
 import logging
 import subprocess
 import sys
@@ -20,12 +21,13 @@ from dashboard.access import Guard
 from dashboard.desk import Desk
 from dashboard.feed import Feed
 from dashboard.history import History
-from dashboard.layers import held_plans, outline_colours, own_plans
+from dashboard.layers import Sizes, arrows, held_plans, outline_colours, own_plans
 from dashboard.links import LOST_SECONDS, LinkView, links
-from dashboard.page import Page
+from dashboard.page import UNWATCHED_FRAME, Page
 from dashboard.palette import DARK, LIGHT
 from dashboard.series import POINTS
 from dashboard.server import serve
+from dashboard.summary import condition
 from formation import unicycle
 from formation.faults import links_named
 from formation.scenario import load
@@ -156,6 +158,25 @@ def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None
         [None if p is None else (p.sender, p.seq) for p in plans(said, 3, 0)] for plans in (own_plans, held_plans)
     ]
     assert numbers == [[(1, 99), (2, 99), None], [(1, 7), None, (3, 49)]]
+
+
+@pytest.mark.parametrize("robots", [2, 3, 20])
+def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
+    poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
+    now = state(robots, faults={"1->2": {"cut": True}})
+    drawn = arrows(poses, links(now, {}), Sizes.of(0.1), 7)
+    shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
+    for sender in range(robots):
+        start, way = poses[sender, :2], np.roll(poses, -1, axis=0)[sender, :2] - poses[sender, :2]
+        along, right = way / np.hypot(*way), np.array([way[1], -way[0]]) / np.hypot(*way)
+        points = np.concatenate([shafts[sender].reshape(-1, 2), drawn.tips[sender : sender + 1, :2]])
+        np.testing.assert_allclose((points - start) @ right, 0.011)
+        places = (points - start) @ along
+        assert (np.diff(places) > -1e-12).all()
+        assert 0.0 < places[0] < places[-1] < np.hypot(*way)
+        assert drawn.directions[sender] == pytest.approx(np.arctan2(way[1], way[0]))
+        gaps = shafts[sender, 1:, 0] - shafts[sender, :-1, 1]
+        assert (np.abs(gaps) > 1e-6).any() == (sender == 0), "dashed if cut, else in one piece"
 
 
 def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
@@ -302,7 +323,7 @@ class _Line:
 
     def keep(self, key: str, depth: int) -> Any:
         waiting = self.kept.setdefault(key, [])
-        return SimpleNamespace(take=lambda: iter([waiting.pop(0) for _ in list(waiting)]))
+        return SimpleNamespace(kept=waiting, take=lambda: iter([waiting.pop(0) for _ in list(waiting)]))
 
     def subscribe(self, key: str) -> None:
         pass
@@ -436,3 +457,23 @@ def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
     errors = [record for record in caplog.records if record.levelno == logging.ERROR]
     assert len(errors) == 1, "once a second"
     assert "drawing a frame" in errors[0].getMessage()
+
+
+def test_who_waits_for_others_is_said_with_how_far_behind_it_is(page: Page) -> None:
+    behind = dataclasses.replace(plan(2, 99), lag=1.26)
+    for said in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
+        page._feed._waiting.kept.append(Sample(keys.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
+    seen, views = page._keep()
+    assert "1.3 s behind the clock" in condition(seen)[2]
+    rows = tables.robots(seen, views, page._taps).split("<tr")
+    assert ["−1.3 s" in row for row in rows[2:]] == [False, True, False]
+
+
+def test_a_page_that_nobody_looks_at_is_drawn_now_and_then_only(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not page._watched, "it has just been drawn"
+    monkeypatch.setattr(page, "_panel_at", page._panel_at - UNWATCHED_FRAME)
+    assert page._watched
+    page._frame()
+    assert not page._watched
+    monkeypatch.setattr(page._server, "get_clients", lambda: {1: None})
+    assert page._watched

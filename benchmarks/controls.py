@@ -8,6 +8,7 @@ as well.
 """
 
 import argparse
+import re
 from statistics import median
 from time import monotonic
 
@@ -48,17 +49,25 @@ def controls() -> list[tuple[str, str, str]]:
     ]
 
 
+def size(text: str) -> tuple[int, int]:
+    """Width and height of a window, from "1280x720" [px]."""
+    found = re.fullmatch(r"(\d{2,4})x(\d{2,4})", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"expected WIDTHxHEIGHT; got {text!r}")
+    return int(found[1]), int(found[2])
+
+
 def main() -> None:
     """Press each control some times; print the medians."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--times", type=int, default=5)
-    parser.add_argument("--size", default="1280x720", help="of the page's window")
+    parser.add_argument("--size", type=size, default="1280x720", help="of the page's window")
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     options = parser.parse_args()
     found: dict[str, list[float]] = {}
     with Flight("triangle-circle", robots=3) as flight, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
-        width, height = (int(number) for number in options.size.split("x"))
+        width, height = options.size
         driven = Driven(browser, flight.url, width=width, height=height)
         driven.wait_text(r"t = [3-9]")
         frames, began = driven.frames, monotonic()

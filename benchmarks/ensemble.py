@@ -1,13 +1,14 @@
-"""A run whose world and minds share one process: what the page of a large formation hears, on a machine with few cores.
+"""A world whose minds are in its own process: what the page of a large formation hears, on a machine with few cores.
 
-python -m benchmarks.ensemble --run NAME --connect ENDPOINT --scenario NAME [--set KEY=VALUE]
+python -m benchmarks.ensemble --run NAME --connect ENDPOINT --scenario NAME [--set KEY=VALUE] [--endless]
 
-Its world is the world of any run (world/process.py). A tick is answered here instead of by processes of their own:
-plans go out over Zenoh as theirs would, and so do statuses; commands come in without it.
+It is the world of any run (world/process.py), but its ticks are answered at once, here. Statuses go out over Zenoh as
+those of separate processes would; plans and commands do not.
 """
 
 import argparse
 import sys
+from time import monotonic
 
 from agents.agent import Agent, Answer
 from agents.process import STATUS_INTERVAL
@@ -29,21 +30,22 @@ class Ensemble(Session):
         super().__init__(endpoint, run)
         self.world: World | None = None
         self._agents: dict[int, Agent] = {}
+        self._announced: set[int] = set()
         self._flown: tuple[int, int] | None = None
         self._before: dict[int, Answer] = {}
-        self._statuses_due = 0.0
+        self._status_due = 0.0
 
-    def rehearse(self, world: World) -> None:
-        """Every mind of the world's scenario is here from now on."""
+    def gather(self, world: World) -> None:
+        """Every mind of the world's scenario is here."""
         self.world = world
-        for robot in world.robots:
-            self.announce(keys.plan(self.run, robot))
+        for robot in set(world.robots) - self._announced:
+            self._announced.add(robot)
             self.announce(keys.status(self.run, robot))
             self.appear("agent", robot)
             self.inbox.put(Presence("agent", robot, True))
 
     def publish(self, key: str, message: Message) -> None:
-        """A tick is answered at once; everything else goes out."""
+        """A tick is answered at once."""
         super().publish(key, message)
         if isinstance(message, Tick):
             self._answer(message)
@@ -52,8 +54,9 @@ class Ensemble(Session):
         world = self.world
         assert world is not None
         if self._flown is None or self._flown[0] != tick.epoch:
+            self.gather(world)
             self._agents = {robot: Agent(world.scenario, robot, epoch=tick.epoch) for robot in world.robots}
-            self._before, self._statuses_due = {}, 0.0
+            self._before = {}
         if self._flown != (tick.epoch, tick.revision):
             self._flown = tick.epoch, tick.revision
             for agent in self._agents.values():
@@ -63,11 +66,9 @@ class Ensemble(Session):
                 self._agents[downstream(robot, len(self._agents))].receive(answer.plan)
         for robot, agent in self._agents.items():
             self._before[robot] = answer = agent.step(tick.seq, tick.stamp, tick.poses[robot - 1])
-            if answer.plan is not None:
-                super().publish(keys.plan(self.run, robot), answer.plan)
             self.inbox.put(Sample(keys.command(self.run, robot), encode(answer.command)))
-        if tick.stamp >= self._statuses_due:
-            self._statuses_due = tick.stamp + STATUS_INTERVAL
+        if monotonic() >= self._status_due:
+            self._status_due = monotonic() + STATUS_INTERVAL
             for robot, agent in self._agents.items():
                 super().publish(keys.status(self.run, robot), agent.status(tick.seq, tick.stamp))
 
@@ -79,12 +80,13 @@ def main() -> int:
     parser.add_argument("--connect", required=True)
     parser.add_argument("--scenario", required=True)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument("--endless", action="store_true")
     options = parser.parse_args()
     scenario = load(options.scenario, options.settings)
     with Ensemble(options.connect, options.run) as session:
-        world = World(scenario, endless=True)
+        world = World(scenario, endless=options.endless)
         driver = Driver(session, world, Lifetime(session.wake), speed=1.0, start=True)
-        session.rehearse(world)
+        session.gather(world)
         driver.run()
     return 0
 

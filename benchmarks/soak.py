@@ -12,12 +12,9 @@ import argparse
 import json
 import os
 import signal
-import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import psutil
@@ -26,17 +23,14 @@ from playwright.sync_api import CDPSession, Page, sync_playwright
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
+from benchmarks.controls import size
 from fleet.compiling import ensure_compiled
 from fleet.supervisor import ENVIRONMENT
-from network import keys
-from network.codec import decode
 from network.control import Compare
-from network.messages import State
-from network.session import Sample, Session
 from tests.browser.conftest import FLAGS
-from tests.browser.driven import READY
+from tests.browser.driven import READY, frames
+from tests.browser.flight import Flight
 
-RUN = "soak"
 SCENARIO = "ring-16"
 WARM_UP_SECONDS = 60.0
 """Caches fill, plots reach their length."""
@@ -49,23 +43,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=20.0, help="of measurement, after a minute of warming up")
     parser.add_argument("--robots", type=int, default=20)
-    parser.add_argument("--size", default="1280x720", help="of the page's window")
+    parser.add_argument("--size", type=size, default="1280x720", help="of the page's window")
     parser.add_argument("--compare", metavar="CONTROLLER", help="with a ghost beside it")
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     ensure_compiled(print)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # and leave no process behind
-    width, height = (int(number) for number in options.size.split("x"))
+    os.environ.update(ENVIRONMENT)
+    settings = [f"formation.robots={options.robots}"]
     with (
-        tempfile.TemporaryDirectory(prefix="ech") as folder,
+        Flight(SCENARIO, agents=0, world="benchmarks.ensemble", settings=settings) as run,
         sync_playwright() as playwright,
-        _Run(options.robots, Path(folder)) as run,
     ):
         if options.compare:
-            with Session(run.endpoint, RUN) as session:
-                session.ask(Compare(controller=options.compare))
+            run.state(60.0)  # before that nobody is there to be asked
+            run.ask(Compare(controller=options.compare))
         browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
+        width, height = options.size
         page = browser.new_page(viewport={"width": width, "height": height})
         figures = _measure(page, run, options.minutes)
         figures |= {"robots": options.robots, "minutes": options.minutes, "ghost": options.compare or ""}
@@ -95,54 +90,23 @@ def _print(figures: dict[str, Any]) -> None:
     )
 
 
-class _Run:
-    """Router, world with all minds, ghost and dashboard; use as a context manager."""
-
-    def __init__(self, robots: int, folder: Path) -> None:
-        self.endpoint = f"unixsock-stream/{folder / 'router'}"
-        self._started: list[subprocess.Popen[str]] = []
-        os.environ.update(ENVIRONMENT)
-        self._start("network", "--listen", self.endpoint)
-        while not (folder / "router").exists():
-            time.sleep(0.05)
-        common = ("--run", RUN, "--connect", self.endpoint)
-        self._start("benchmarks.ensemble", *common, "--scenario", SCENARIO, "--set", f"formation.robots={robots}")
-        self._start("fleet.ghost", *common)
-        dashboard = self._start("dashboard", *common, "--port", "0")
-        assert dashboard.stdout is not None
-        self.address = dashboard.stdout.readline().split()[-1]
-        self.dashboard = psutil.Process(dashboard.pid)
-
-    def _start(self, module: str, *words: str) -> "subprocess.Popen[str]":
-        command = [sys.executable, "-m", module, *words]
-        self._started.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
-        return self._started[-1]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for process in reversed(self._started):  # the router last, so that the others can say goodbye
-            process.terminate()
-            process.wait(20)
-
-
-def _measure(page: Page, run: _Run, minutes: float) -> dict[str, Any]:
-    page.goto(f"{run.address}/?fixedDpr=1")
+def _measure(page: Page, run: Flight, minutes: float) -> dict[str, Any]:
+    page.goto(f"{run.url}/?fixedDpr=1")
     page.wait_for_function(READY, timeout=120_000, polling=200)
     page.wait_for_timeout(1e3 * min(WARM_UP_SECONDS, 20.0 * minutes))
     tools = page.context.new_cdp_session(page)
-    rows, loads = [_row(run.dashboard, tools)], []
-    cpu, drawn, simulated, began = _cpu(run.dashboard), _drawn(page), _stamp(run.endpoint), time.monotonic()
+    dashboard = psutil.Process(run.pid("dashboard"))
+    rows, loads = [_row(dashboard, tools)], []
+    cpu, drawn, simulated, began = _cpu(dashboard), frames(page), run.state().stamp, time.monotonic()
     for _ in range(SAMPLES):
         page.wait_for_timeout(60e3 * minutes / SAMPLES)
-        rows.append(_row(run.dashboard, tools))
+        rows.append(_row(dashboard, tools))
         loads.append(os.getloadavg()[0])
     seconds = time.monotonic() - began
-    figures = {"cpu_percent": 100.0 * (_cpu(run.dashboard) - cpu) / seconds, "load": float(np.mean(loads))}
-    figures["pace"] = (_stamp(run.endpoint) - simulated) / seconds
-    figures["frames_drawn_per_s"] = (_drawn(page) - drawn) / seconds
-    figures["frames_sent_per_s"] = _sent(run.address)
+    figures = {"cpu_percent": 100.0 * (_cpu(dashboard) - cpu) / seconds, "load": float(np.mean(loads))}
+    figures["pace"] = (run.state().stamp - simulated) / seconds
+    figures["frames_drawn_per_s"] = (frames(page) - drawn) / seconds
+    figures["frames_sent_per_s"] = _sent(run.url)
     table = np.array(rows)
     for column, name in enumerate(("rss", "pss", "heap"), start=1):
         halves = np.array_split(table[:, column], 2)
@@ -162,23 +126,9 @@ def _row(dashboard: psutil.Process, tools: CDPSession) -> tuple[float, float, fl
     return time.monotonic(), memory.rss / 1e6, memory.pss / 1e6, heap / 1e6
 
 
-def _stamp(endpoint: str) -> float:
-    """Simulated time of the run [s]."""
-    with Session(endpoint, RUN) as session:
-        session.subscribe(keys.state(RUN))
-        while True:
-            item = session.inbox.get(timeout=30.0)
-            if isinstance(item, Sample):
-                return decode(State, item.payload).stamp
-
-
 def _cpu(process: psutil.Process) -> float:
     times = process.cpu_times()
     return float(times.user + times.system)
-
-
-def _drawn(page: Page) -> int:
-    return int(page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
 
 
 def _sent(address: str) -> float:

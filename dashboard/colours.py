@@ -81,7 +81,7 @@ _RAMPS = {palette: encode(health(np.linspace(0.0, 1.0, 256), palette)) for palet
 
 
 def encoded_health(level: FloatArray, palette: Palette) -> Bytes:
-    """(..., 3) bytes of `health`, quickly: this one is wanted in every frame."""
+    """(..., 3) bytes of `health`, quickly: it is wanted ten times a second."""
     return _RAMPS[palette][np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]
 
 

@@ -1,7 +1,7 @@
 """Everything that the world and the agents said, the newest of each: what the page is drawn from.
 
 One thread drains the inbox and only stores, so that a slow page never slows the run. Statuses, which are the most
-messages, wait outside Python until a frame is drawn.
+messages, wait outside Python until the page looks.
 """
 
 import json
@@ -9,6 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import islice
 from queue import Empty
 from time import monotonic
 from typing import Any
@@ -26,14 +27,14 @@ from network import keys
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.rejects import Rejects
-from network.session import Presence, Sample, Session
+from network.session import Sample, Session
 
 SILENCE_SECONDS = 1.5
 """The world says its state twenty times a second; silent for so long, it is gone."""
 WAITING_GHOSTS = 1000
 """Ghosts that wait: one that catches up says 450 in a row."""
-WAITING_STATUSES = 1000
-"""Statuses that wait for the next frame: more than a second's of the largest formation."""
+WAITING_STATUSES = 2 * MAX_ROBOTS
+"""Statuses that wait for the page to look: of each robot only the newest counts."""
 LEARN_INTERVAL = 0.25
 """Between two questions for what is flown [s]."""
 
@@ -78,7 +79,6 @@ class Feed:
         session.subscribe(keys.state(run))
         self._waiting = session.keep(keys.status(run, "*"), WAITING_STATUSES)
         session.subscribe(keys.ghost(run))
-        session.watch()
         session.appear("dashboard")
 
     def start(self) -> None:
@@ -94,18 +94,20 @@ class Feed:
     def seen(self) -> Seen:
         """What is known now."""
         now = monotonic()
-        for sample in self._waiting.take():
+        for sample in islice(self._waiting.take(), WAITING_STATUSES):
             self._take(sample)
         with self._lock:
-            states, statuses, scenario = self._states, dict(self._statuses), self._scenario
+            states, scenario = self._states, self._scenario
         ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
         poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
+        if state is not None:  # what a dead mind has said last is forgotten for good
+            self._statuses = {robot: said for robot, said in self._statuses.items() if robot in state.live}
         fits = state is not None and scenario is not None and scenario[0] == state.epoch
         return Seen(
             state=state,
             scenario=scenario[2] if fits and scenario is not None else None,
-            statuses=statuses,
+            statuses=dict(self._statuses),
             poses=poses,
             stamp=stamp,
             ghosts=ghosts,
@@ -146,9 +148,6 @@ class Feed:
                 continue
             if isinstance(item, Sample):
                 self._take(item)
-            elif isinstance(item, Presence) and item.role == "agent" and not item.here:
-                with self._lock:
-                    self._statuses.pop(item.number, None)
 
     def _take(self, sample: Sample) -> None:
         try:
@@ -164,11 +163,9 @@ class Feed:
             self._ghosts.append(ghost)
         elif sample.key.endswith("/status"):
             status = decode(Status, sample.payload)
-            senders = {status.sender} | ({status.plan.sender} if status.plan else set())
-            if senders != {keys.robot_of(sample.key)}:
-                raise WireError(f"expected the sender named in the key; got {sorted(senders)}")
-            with self._lock:
-                self._statuses[status.sender] = status
+            if status.sender != keys.robot_of(sample.key):
+                raise WireError(f"expected the sender named in the key; got {status.sender}")
+            self._statuses[status.sender] = status
         else:
             state = _checked(decode(State, sample.payload))
             with self._lock:

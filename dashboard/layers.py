@@ -76,7 +76,7 @@ class Arrows:
 
 def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
     """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
-    start = poses[:, 0] + 1j * poses[:, 1]  # complex numbers: this is drawn in every frame
+    start = poses[:, 0] + 1j * poses[:, 1]  # as complex numbers it takes half the time
     gap = np.roll(start, -1) - start
     length = np.maximum(np.abs(gap), 1e-6)
     along = gap / length
@@ -102,29 +102,41 @@ def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Byte
     return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
 
 
-def horizons(plans: list[Plan | None], poses: FloatArray, steps: int) -> FloatArray:
-    """(n, steps + 1, 2): where each plan leads; a robot without one stays where it is drawn [m]."""
+def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float | None = None) -> FloatArray:
+    """(n, steps + 1, 2): where each plan leads; a robot without one stays where it is drawn [m].
+
+    Args:
+        plans: of each robot.
+        poses: (n, 3) where the robots are drawn [m, m, rad].
+        steps: inputs of a plan.
+        now: what is left of the plans at this time [s], from where the robots are; else from where they were made.
+    """
     start, inputs, interval = poses.copy(), np.zeros((len(poses), steps, 2)), 0.1
     for row, plan in enumerate(plans):
         if plan is not None and len(plan.inputs) == steps:
-            start[row], inputs[row], interval = plan.pose, plan.inputs, plan.interval
+            interval = plan.interval
+            gone = 0 if now is None else min(steps, max(0, int((now - plan.stamp) / interval)))
+            inputs[row, : steps - gone] = plan.inputs[gone:]
+            if now is None:
+                start[row] = plan.pose
     return geometry.roll_out(start, inputs, interval)
 
 
 def own_plans(statuses: Mapping[int, Status], robots: int, epoch: int) -> list[Plan | None]:
     """The newest plan of every robot."""
-    plans = [statuses[i].plan if i in statuses else None for i in range(1, robots + 1)]
-    return [plan if plan is not None and plan.epoch == epoch else None for plan in plans]
+    numbers = range(1, robots + 1)
+    return [_of(i, statuses[i].plan if i in statuses else None, epoch) for i in numbers]
 
 
 def held_plans(statuses: Mapping[int, Status], robots: int, epoch: int) -> list[Plan | None]:
-    """The plan of every robot that the one downstream of it still goes by, in the order of the senders."""
-    receivers = [downstream(sender, robots) for sender in range(1, robots + 1)]
-    plans = [statuses[i].held if i in statuses else None for i in receivers]
-    return [
-        plan if plan is not None and (plan.epoch, plan.sender) == (epoch, sender) else None
-        for sender, plan in enumerate(plans, start=1)
-    ]
+    """The plan of every robot that the one downstream of it still holds, in the order of the senders."""
+    receivers = [(i, downstream(i, robots)) for i in range(1, robots + 1)]
+    return [_of(i, statuses[other].held if other in statuses else None, epoch) for i, other in receivers]
+
+
+def _of(robot: int, plan: Plan | None, epoch: int) -> Plan | None:
+    """The plan, if it is this robot's and of this flight."""
+    return plan if plan is not None and (plan.sender, plan.epoch) == (robot, epoch) else None
 
 
 def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:

@@ -24,6 +24,8 @@ class LinkView:
     fault: Mapping[str, Any]
     """Keys of formation.faults.Fault that are not those of a perfect link."""
     counts: LinkCounts
+    deaf: bool = False
+    """Whether nobody listens at its end: the receiver has no agent."""
 
     @property
     def name(self) -> str:
@@ -38,7 +40,7 @@ class LinkView:
     @property
     def lost(self) -> bool:
         """Whether the receiver has to do without it."""
-        return self.cut or (self.age is not None and self.age > LOST_SECONDS)
+        return self.cut or self.deaf or (self.age is not None and self.age > LOST_SECONDS)
 
     @property
     def level(self) -> float:
@@ -50,7 +52,7 @@ class LinkView:
         """Health in a word, for those who do not see colours."""
         if self.cut:
             return "CUT"
-        if self.age is None:
+        if self.age is None and not self.deaf:
             return "..."
         return "LOST" if self.lost else "STALE" if self.level > 0.5 else "OK"
 
@@ -73,7 +75,8 @@ def _link(state: State, statuses: Mapping[int, Status], sender: int, receiver: i
         silence = state.stamp - status.stamp
         age = status.age + (silence if silence > SILENCE_SECONDS * max(1.0, state.pace) else 0.0)
         counts = status.counts
-    return LinkView(sender, receiver, age, state.faults.get(f"{sender}->{receiver}", {}), counts)
+    fault = state.faults.get(f"{sender}->{receiver}", {})
+    return LinkView(sender, receiver, age, fault, counts, deaf=receiver not in state.live)
 
 
 def oldest(views: list[LinkView]) -> float:

@@ -54,7 +54,7 @@ class Notices:
             self.tell(None, "The world has gone silent", "Waiting for it; what you see is its last word.")
 
     def _links(self, epoch: int, links: list[LinkView]) -> None:
-        now_lost = {link.name for link in links if link.lost}
+        now_lost = {link.name for link in links if link.lost and not link.deaf}  # that agent's loss is told anyway
         if epoch == self._epoch:
             worse = sorted(now_lost - self._lost)
             words = {link.name: link.word for link in links}

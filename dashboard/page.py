@@ -36,9 +36,8 @@ FRAME = 1.0 / 30.0
 CROWD_FRAME = 1.0 / 18.0
 CROWD = 20
 """With more robots than this fewer frames are drawn: a page without a graphics card could not follow."""
-UNWATCHED_FRAME = 0.5
-STATE_INTERVAL = 0.05
-"""The world says its state so often [s]."""
+UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
+"""While nobody looks, what the next page will see first is drawn now and then, and what is said is kept as it comes."""
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
 NOBODY = "none"
@@ -179,7 +178,7 @@ class Page:
         due, robots = monotonic(), 0
         while not lifetime.over:
             try:
-                robots = self._frame() if self._watched else self._idle()
+                robots = self._frame() if self._due else len(self._keep()[0].poses)
             except Exception:
                 self._mishaps.note()
             due = max(due + self._pause(robots), monotonic())
@@ -189,19 +188,18 @@ class Page:
 
     @property
     def _watched(self) -> bool:
-        """Whether somebody looks; if not, what the next page will see first is drawn now and then all the same."""
-        return bool(self._server.get_clients()) or monotonic() - self._panel_at >= UNWATCHED_FRAME
+        return bool(self._server.get_clients())
+
+    @property
+    def _due(self) -> bool:
+        """Whether to draw now."""
+        return self._watched or monotonic() - self._panel_at >= UNWATCHED_FRAME
 
     def _pause(self, robots: int) -> float:
         """From this frame to the next [s]."""
-        if not self._server.get_clients():
-            return STATE_INTERVAL
+        if not self._watched:
+            return UNWATCHED_PAUSE
         return CROWD_FRAME if robots > CROWD else FRAME
-
-    def _idle(self) -> int:
-        """Only keep what is wanted later; returns the number of robots."""
-        seen, _ = self._keep()
-        return len(seen.poses)
 
     def _keep(self) -> tuple[Seen, list[LinkView]]:
         """What is known now, put down for the plots and for taking away."""
@@ -220,15 +218,16 @@ class Page:
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
         seen, views = self._keep()
-        state = seen.state
+        state, whole = seen.state, not self._watched
         with self._server.atomic():
             self._scene.dress(self._palette)
-            self._scene.draw(seen, views, self._history)
+            self._scene.draw(seen, views, self._history, whole=whole)
             now, news = monotonic(), self._news(seen)
-            if now - self._panel_at >= PANEL_INTERVAL or news != self._told:
-                self._draw_panels(seen, views, whole=news != self._told)
+            panels = now - self._panel_at >= PANEL_INTERVAL or news != self._told
+            if panels:
+                self._draw_panels(seen, views, whole=whole or news != self._told)
                 self._panel_at, self._told = now, news
-            elif now - self._plot_at >= PLOT_INTERVAL:
+            if whole or (not panels and now - self._plot_at >= PLOT_INTERVAL):
                 self._plot_at = now
                 series = self._history.series()
                 for chart in self._charts:

@@ -101,8 +101,15 @@ class Scene:
             if node in self._nodes:
                 self._nodes[node].visible = shown
 
-    def draw(self, seen: Seen, links: list[LinkView], history: History) -> None:
-        """Bring the scene up to date; call within server.atomic()."""
+    def draw(self, seen: Seen, links: list[LinkView], history: History, *, whole: bool) -> None:
+        """Bring the scene up to date; call within server.atomic().
+
+        Args:
+            seen: what is known.
+            links: the same links as people see them.
+            history: for the trails.
+            whole: also what usually takes turns from frame to frame.
+        """
         state, scenario = seen.state, seen.scenario
         if state is None or scenario is None or scenario.size != len(state.poses):
             return
@@ -111,10 +118,11 @@ class Scene:
                 self._build(scenario)
             self._scenario = scenario
         self._frame += 1
+        whole |= self._frame == 1
         self._move(seen.poses)
-        if scenario.size <= MANY or self._frame % 2:
+        if whole or scenario.size <= MANY or self._frame % 2:
             self._connect(seen.poses, links)
-        trails = self._frame % SLOW == 1
+        trails = whole or self._frame % SLOW == 1
         if trails:
             self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
         if self._ghost is not None:
@@ -124,9 +132,9 @@ class Scene:
             self._state = state
             self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
-        if self._frame % SLOW == 2:
+        if whole or self._frame % SLOW == 2:
             self._plan(seen, state, scenario.controller.horizon)
-        if self._frame % SLOW == 0 or self._focus_drawn != self.focus:
+        if whole or self._frame % SLOW == 0 or self._focus_drawn != self.focus:
             self._focus_drawn = self.focus
             self._recolour(state, links)
 
@@ -165,7 +173,7 @@ class Scene:
     def _plan(self, seen: Seen, state: State, steps: int) -> None:
         """What robots want, and what their neighbours believe of it."""
         n, z = len(state.poses), self._sizes.z
-        own = layers.horizons(layers.own_plans(seen.statuses, n, state.epoch), seen.poses, steps)
+        own = layers.horizons(layers.own_plans(seen.statuses, n, state.epoch), seen.poses, steps, seen.stamp)
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
         held = layers.horizons(layers.held_plans(seen.statuses, n, state.epoch), seen.poses, steps)
         dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]

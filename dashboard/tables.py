@@ -15,9 +15,9 @@ NOTHING = "·"
 
 _HEADS = ("", "agent", "age", "solve", "missed", "error", "gap", "")
 _NOTE = (
-    "agent: alive, or how far behind the clock because robots wait for one another. age: of the newest plan from the "
-    "robot upstream. solve: wall clock per plan [ms]. missed: ticks not answered in time. error: of the distance to "
-    "the robot upstream. gap: what it could gain by changing its plan alone. Press a robot to follow it; kill its "
+    "agent: how it is, or how far behind the clock because robots wait for one another. age: of the newest plan from "
+    "the robot upstream. solve: wall clock per plan [ms]. missed: ticks not answered in time. error: of the distance "
+    "to the robot upstream. gap: what it could gain by changing its plan alone. Press a robot to follow it; kill its "
     "agent and see what the others do."
 )
 

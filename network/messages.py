@@ -156,7 +156,7 @@ class Status:
     plan: Plan | None
     """The newest plan that it sent; None before the first."""
     held: Plan | None
-    """The plan of its upstream neighbour that it goes by, however old; None before the first."""
+    """The newest plan of its upstream neighbour that arrived, however old; None before the first."""
     counts: LinkCounts
     solve: NonNegative
     """Mean wall-clock time per plan since the last status [s]."""

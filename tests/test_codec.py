@@ -184,6 +184,7 @@ ANY_MESSAGE = st.one_of(*BUILDERS.values())
 PLAN = Plan(2, 17, 0.17, 3, np.array([0.1, -0.2, 0.3]), 0.1, np.arange(40.0).reshape(20, 2))
 TICK = Tick(0, 17, 0.17, 3, 1, np.arange(9.0).reshape(3, 3), [1, 2, 3])
 COMMAND = Command(1, 17, 0.17, 3, 0.4, -0.2, 0.01, True, 1e-4)
+STATUS = Status(1, 17, 0.17, 3, "2->1", 0.01, None, PLAN, LinkCounts(), 1e-4, 0, 0.0, 0, 99)
 
 
 def same(a: Any, b: Any) -> bool:
@@ -397,6 +398,10 @@ def numbers(*values: float) -> bytes:
         (PLAN, "inputs", numbers(0.0, float("inf"))),
         (PLAN, "inputs", b"\x00" * 15),
         (PLAN, "inputs", None),
+        (STATUS, "plan", 3),
+        (STATUS, "held", PLAN.seq),
+        (STATUS, "held", {"sender": 2}),
+        (STATUS, "held", body_of(PLAN)),  # a message in a message is its fields, without type and version
         (TICK, "poses", numbers(0.0, 0.0)),
         (TICK, "poses", numbers(0.0, 0.0, float("-inf"))),
         (TICK, "planned", [65]),

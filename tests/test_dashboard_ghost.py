@@ -1,6 +1,7 @@
 """Laws of the ghost on the page: it stands where it was at the very stamp that is drawn, and the verdict is plain."""
 
 from dataclasses import replace
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -100,7 +101,7 @@ def test_the_verdict_says_how_many_times_better_or_worse(live: float, other: flo
     found = verdicts(history.series())
     assert [verdict.words for verdict in found] == [words, words]
     html = comparison(beside(30.0), history)
-    assert html.count(words) == 2
+    assert html.count(escape(words)) == 2
     assert "nash" in html
     assert "paper" in html
 

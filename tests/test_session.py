@@ -39,12 +39,13 @@ def heard(kept: Kept, least: int) -> list[Sample]:
 
 def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple[Session, Session]) -> None:
     sender, listener = pair
-    kept = listener.keep(keys.command("x", 1), 100)
+    kept = listener.keep(keys.command("x", "*"), 100)
     sender.announce(keys.command("x", 1), reliable=True)
     time.sleep(0.2)
     say(sender, range(20))
     found = heard(kept, 20)
     assert [decode(Command, sample.payload).seq for sample in found] == list(range(20))
+    assert {sample.key for sample in found} == {keys.command("x", 1)}
     assert list(kept.take()) == []
     assert listener.inbox.empty()
 

@@ -11,7 +11,7 @@ import numpy as np
 from formation.arrays import FloatArray
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, ConsoleMessage, Locator, Request
+    from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Request
 
 THROTTLE_MS = 80
 """The page drops edits that follow each other faster than 50 ms."""
@@ -34,6 +34,11 @@ PIXEL = """([x, y, z]) => {
   const v = Math.round((1 - clip[1] / clip[3]) / 2 * canvas.height);
   return [u, v, ...context.getImageData(u, v, 1, 1).data.slice(0, 3)];
 }"""
+
+
+def frames(page: "Page") -> int:
+    """Frames that a page has drawn so far."""
+    return int(page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
 
 
 class Driven:
@@ -68,7 +73,7 @@ class Driven:
     @property
     def frames(self) -> int:
         """Frames drawn so far."""
-        return int(self.page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
+        return frames(self.page)
 
     def text(self) -> str:
         """All that can be read."""

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Self
 
@@ -22,17 +23,39 @@ RUN = "browser"
 class Flight:
     """A run of a scenario; every process ends with it."""
 
-    def __init__(self, scenario: str = "triangle-circle", robots: int = 3, agents: int | None = None) -> None:
+    def __init__(
+        self,
+        scenario: str = "triangle-circle",
+        robots: int = 3,
+        agents: int | None = None,
+        *,
+        world: str = "world",
+        settings: Sequence[str] = (),
+    ) -> None:
+        """Start everything.
+
+        Args:
+            scenario: what is flown.
+            robots: of the scenario.
+            agents: how many of them get an agent, if not all.
+            world: its module.
+            settings: key=value of the scenario.
+        """
         self._folder = tempfile.TemporaryDirectory(prefix="echelon-")
         self.endpoint = f"unixsock-stream/{self._folder.name}/router"
         self._processes: dict[str, subprocess.Popen[str]] = {}
-        self.start("router", "network", "--listen", self.endpoint)
-        self._wait_for(Path(self._folder.name, "router"))
-        self.start("world", "world", *self._run, "--scenario", scenario, "--endless")
-        for robot in range(1, (robots if agents is None else agents) + 1):
-            self.start_agent(robot)
-        self.start("ghost", "fleet.ghost", *self._run)
-        self.url = self.start_dashboard()
+        try:
+            self.start("router", "network", "--listen", self.endpoint)
+            self._wait_for(Path(self._folder.name, "router"))
+            changes = [word for setting in settings for word in ("--set", setting)]
+            self.start("world", world, *self._run, "--scenario", scenario, "--endless", *changes)
+            for robot in range(1, (robots if agents is None else agents) + 1):
+                self.start_agent(robot)
+            self.start("ghost", "fleet.ghost", *self._run)
+            self.url = self.start_dashboard()
+        except BaseException:
+            self.close()
+            raise
 
     def _wait_for(self, socket: Path, seconds: float = 60.0) -> None:
         """A busy machine may take long to start a router; a client does not wait that long."""

@@ -15,7 +15,7 @@ from agents.situation import Pair, Situation, Solution
 from formation.arrays import FloatArray
 from formation.scenario import Controller, Scenario
 
-PLACE = 10.0
+PLACE = 30.0
 """Cost of a position error of one spacing."""
 HEADING = 1.0
 """Cost of a heading error of one radian."""

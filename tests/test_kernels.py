@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from agents.belief import Belief
 from agents.kernels import age, derivatives, roll_out, shift
-from agents.nash import Game, weights
+from agents.nash import PLACE, Game, weights
 from agents.nash_kernel import cost, improve
 from agents.situation import Pair
 from formation.arrays import FloatArray
@@ -317,7 +317,7 @@ def test_in_the_slots_of_a_reference_the_step_changes_next_to_nothing(name: Any,
 
 def test_on_a_circle_the_perfect_formation_costs_nothing() -> None:
     bench = Bench("circle", 100)
-    assert bench.cost(bench.x0, bench.targets) < 1e-10
+    assert bench.cost(bench.x0, bench.targets) < 1e-11 * PLACE
 
 
 @given(SEEDS, st.sampled_from(CASES))

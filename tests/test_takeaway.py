@@ -81,7 +81,7 @@ def test_another_flight_begins_anew_with_its_own_events() -> None:
 
 def test_a_record_says_who_is_lost_held_and_cut() -> None:
     record = kept(state(live=[1, 2], stopped=[3], faults={"1->2": {"cut": True}}))
-    assert [int(flags) for flags in record.flags[0]] == [LOST | CUT, 0, DEAD | HELD]
+    assert [int(flags) for flags in record.flags[0]] == [LOST | CUT, LOST, DEAD | HELD], "nobody hears robot 2"
 
 
 def test_the_csv_holds_what_the_world_said() -> None:

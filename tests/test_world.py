@@ -304,7 +304,7 @@ def test_a_status_of_another_flight_or_of_nobody_is_not_heard() -> None:
 
     def status(sender: int, epoch: int) -> Status:
         link = f"{(sender - 2) % 3 + 1}->{sender}"
-        return Status(sender, 1, 0.0, epoch, link, 0.0, -1, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1)
+        return Status(sender, 1, 0.0, epoch, link, 0.0, None, None, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1)
 
     for sender, epoch in ((1, 1), (4, 0), (0, 0)):
         w.hear(status(sender, epoch))
@@ -319,7 +319,7 @@ def test_a_status_of_another_flight_or_of_nobody_is_not_heard() -> None:
 def test_a_status_about_a_link_that_is_not_its_senders_does_not_spoil_the_summary(link: Any) -> None:
     w = world()
     fly(w, 3)
-    w.hear(Status(1, 1, 0.0, 0, link, 0.0, -1, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1))
+    w.hear(Status(1, 1, 0.0, 0, link, 0.0, None, None, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1))
     assert w.summary()["links"] == {}
 
 
@@ -338,7 +338,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         ages.append([commands[i].age for i in w.robots])
         w.advance(commands)
         poses.append(w.plant.poses)
-    w.hear(Status(1, 59, 0.59, 0, "3->1", 0.0, -1, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
+    w.hear(Status(1, 59, 0.59, 0, "3->1", 0.0, None, None, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
     for warmup, first in ((0.0, 0), (0.25, 25)):
         s = w.summary(warmup=warmup)
         track = np.array(poses)

@@ -7,7 +7,7 @@ COPY network network
 COPY agents agents
 COPY world world
 COPY dashboard dashboard
-COPY fleet fleet
+COPY runtime runtime
 COPY experiments experiments
 COPY cli cli
 COPY scenarios scenarios
@@ -17,5 +17,5 @@ RUN pip install --no-cache-dir -c constraints.txt .
 WORKDIR /tmp
 # The solver is compiled here, once; containers copy it to their /tmp, because their root is read-only.
 ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
-RUN ECHELON_CACHE=/opt/kernels python -c "from fleet.compiling import ensure_compiled; ensure_compiled(print)"
+RUN ECHELON_CACHE=/opt/kernels python -c "from runtime.precompile import ensure_compiled; ensure_compiled(print)"
 USER 10001:10001

@@ -4,10 +4,10 @@ import argparse
 import logging
 import sys
 
-from agents.process import Mind
+from agents.process import AgentNode
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.session import Session
+from network.zenoh_bus import Session
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -20,7 +20,7 @@ def main(arguments: list[str] | None = None) -> int:
     logging.basicConfig(format=f"%(name)s agent {options.id}: %(message)s", stream=sys.stderr)
     try:
         with Session(options.connect, options.run) as session:
-            Mind(session, options.id, Lifetime(session.wake)).run()
+            AgentNode(session, options.id, Lifetime(session.wake)).run()
     except EchelonError as error:
         print(f"agent {options.id}: {error}", file=sys.stderr)
         return 2

@@ -11,16 +11,17 @@ from time import perf_counter
 import numpy as np
 
 from agents.belief import Belief
-from agents.controllers import controller_for
-from agents.nash import Game
-from agents.situation import Controller, Pair, Situation, Solution
+from agents.controllers.interface import Controller, Observation, Solution
+from agents.controllers.nash import Game
+from agents.controllers.pair import Pair
+from agents.controllers.registry import controller_for
 from formation import unicycle
 from formation.arrays import FloatArray
-from formation.controllers import AGEING
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
 from formation.pattern import upstream
-from formation.scenario import Scenario
+from formation.scenario.registry import AGEING
+from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
 from network.messages import Command, LinkCounts, Plan, Status
@@ -41,16 +42,18 @@ class Answer:
 class Agent:
     """The mind of one robot for one flight."""
 
-    def __init__(self, scenario: Scenario, robot: int, *, epoch: int = 0, controller: Controller | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, robot: int, *, episode: int = 0, controller: Controller | None = None
+    ) -> None:
         """An agent at the start of a flight.
 
         Args:
             scenario: what is flown.
             robot: its number, from 1.
-            epoch: put into every message; plans with another one are not for this flight.
-            controller: instead of the scenario's own for this robot (agents/centralised.py).
+            episode: put into every message; plans with another one are not for this flight.
+            controller: instead of the scenario's own for this robot (agents/controllers/centralised.py).
         """
-        self.robot, self.epoch = robot, epoch
+        self.robot, self.episode = robot, episode
         self.upstream = upstream(robot, scenario.size)
         self.planning = scenario.controller.plan_every
         self._pair = Pair(scenario, robot)
@@ -85,7 +88,7 @@ class Agent:
 
         A plan of another flight, of somebody else, or one that was there before is ignored.
         """
-        if plan.epoch == self.epoch and plan.sender == self.upstream and plan.seq > self._heard:
+        if plan.episode == self.episode and plan.sender == self.upstream and plan.seq > self._heard:
             self._heard = plan.seq
             # Bursts are counted in messages, and there is one every `planning` ticks.
             self._plans.push(plan.seq // self.planning, plan.stamp, plan)
@@ -106,7 +109,7 @@ class Agent:
         age = self._belief.seconds_old(stamp)
         own = self._own_pose(k, stamp, pose)
         if own is None:  # who does not know where it is does not move
-            return Answer(Command(self.robot, k, stamp, self.epoch, 0.0, 0.0, age, False, 0.0), None)
+            return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
         plan = None
         solve = 0.0
         if k % self.planning == 0 or self._last is None:
@@ -118,7 +121,7 @@ class Agent:
                 self.robot,
                 k,
                 stamp,
-                self.epoch,
+                self.episode,
                 own,
                 self._pair.interval,
                 solution.inputs,
@@ -127,7 +130,7 @@ class Agent:
             )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
-        return Answer(Command(self.robot, k, stamp, self.epoch, v, omega, age, plan is not None, solve), plan)
+        return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """How it is doing at tick k, which it has just answered; the arguments are what only its process knows."""
@@ -137,7 +140,7 @@ class Agent:
             sender=self.robot,
             seq=k,
             stamp=stamp,
-            epoch=self.epoch,
+            episode=self.episode,
             link=f"{self.upstream}->{self.robot}",
             age=self._belief.seconds_old(stamp),
             plan=self._said,
@@ -166,7 +169,7 @@ class Agent:
     def _plan(self, k: int, stamp: float, own: FloatArray) -> Solution:
         slot, tail = self._pair.slot(k, 1)
         aged = self._belief.aged(stamp, slot, tail) if self._ages else self._belief.as_if_fresh(slot, tail)
-        solution = self._controller.plan(Situation(k, own, aged))
+        solution = self._controller.plan(Observation(k, own, aged))
         self._last = (k, solution, own)
         return solution
 

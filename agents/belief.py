@@ -5,25 +5,12 @@ inputs that have elapsed (THEORY section 5, step 1); late or lost messages then 
 before the first plan, the neighbour is believed to be in its slot.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from agents.kernels import age, shift
+from agents.controllers.interface import NeighborEstimate
+from agents.kernels.unicycle import age, shift
 from formation.arrays import FloatArray
 from network.messages import Plan
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Upstream:
-    """The neighbour as a controller sees it at one tick."""
-
-    pose: FloatArray
-    """(3,) [m, m, rad]."""
-    inputs: FloatArray
-    """(N, 2) from now on [m/s, rad/s]."""
-    plan: Plan | None
-    """The message behind it; None before the first."""
 
 
 class Belief:
@@ -44,7 +31,7 @@ class Belief:
         """Age of the plan [s]; since the start of the flight before the first."""
         return max(0.0, now - self.plan.stamp) if self.plan else now
 
-    def aged(self, now: float, slot: FloatArray, tail: FloatArray) -> Upstream:
+    def aged(self, now: float, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour at time `now`.
 
         Args:
@@ -54,18 +41,18 @@ class Belief:
         """
         plan = self.plan
         if plan is None or plan.inputs.shape != tail.shape:
-            return Upstream(slot, tail, plan)
+            return NeighborEstimate(slot, tail, plan)
         elapsed = self.seconds_old(now)
         if elapsed >= len(plan.inputs) * plan.interval:
-            return Upstream(slot, tail, plan)
+            return NeighborEstimate(slot, tail, plan)
         pose, inputs = np.empty(3), np.empty_like(tail)
         age(plan.pose, plan.inputs, elapsed, plan.interval, pose)
         shift(plan.inputs, elapsed, plan.interval, tail, inputs)
-        return Upstream(pose, inputs, plan)
+        return NeighborEstimate(pose, inputs, plan)
 
-    def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> Upstream:
+    def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour as its newest plan says, whatever the plan's age."""
         plan = self.plan
         if plan is None or plan.inputs.shape != tail.shape:
-            return Upstream(slot, tail, plan)
-        return Upstream(plan.pose, plan.inputs, plan)
+            return NeighborEstimate(slot, tail, plan)
+        return NeighborEstimate(plan.pose, plan.inputs, plan)

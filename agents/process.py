@@ -14,13 +14,13 @@ from pydantic import ValidationError
 from agents.agent import Agent, Answer
 from formation.errors import WireError
 from formation.faults import Fault
-from formation.scenario import Scenario
-from network import keys
+from formation.scenario.scenario import Scenario
+from network import topics
 from network.codec import decode
 from network.lifetime import Lifetime
 from network.messages import WORLD, Plan, Tick
-from network.rejects import Rejects
-from network.session import Sample, Session
+from network.throttled_log import ThrottledLog
+from network.zenoh_bus import Sample, Session
 
 STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
@@ -32,14 +32,14 @@ KEPT_PLANS = 256
 """Plans that wait for their tick; older ones go first."""
 
 
-class Mind:
+class AgentNode:
     """Keeps the agent of one robot in touch with the world and its neighbour."""
 
     def __init__(self, session: Session, robot: int, lifetime: Lifetime) -> None:
         self._session, self._robot, self._lifetime = session, robot, lifetime
-        self._rejects = Rejects()
+        self._rejects = ThrottledLog()
         self._agent: Agent | None = None
-        self._setup: tuple[int, int] | None = None  # epoch and revision
+        self._setup: tuple[int, int] | None = None  # episode and revision
         self._lockstep, self._size = True, 0
         self._listening_to: str | None = None
         self._plans: deque[Plan] = deque(maxlen=KEPT_PLANS)
@@ -54,7 +54,7 @@ class Mind:
         self._keys = {word: key(run, robot) for word, key in _WORDS.items()}
         for key in self._keys.values():
             session.announce(key, reliable=True)
-        session.subscribe(keys.tick(run))
+        session.subscribe(topics.tick(run))
 
     def run(self) -> None:
         """Until told to end."""
@@ -81,15 +81,15 @@ class Mind:
                 if tick.sender != WORLD:
                     raise WireError(f"expected the world's tick; got one of {tick.sender}")
                 newest = self._last_tick
-                self._repeat |= newest is not None and (tick.epoch, tick.seq) == (newest.epoch, newest.seq)
-                if newest is None or tick.epoch != newest.epoch or tick.seq >= newest.seq:
+                self._repeat |= newest is not None and (tick.episode, tick.seq) == (newest.episode, newest.seq)
+                if newest is None or tick.episode != newest.episode or tick.seq >= newest.seq:
                     self._tick = self._last_tick = tick
                 return
             plan = decode(Plan, sample.payload)
-            if plan.sender != keys.robot_of(sample.key):
+            if plan.sender != topics.robot_of(sample.key):
                 raise WireError(f"expected the sender named in the key; got {plan.sender}")
             now = self._last_tick
-            early = now is not None and plan.epoch == now.epoch and plan.seq > now.seq + MAX_TICKS_AHEAD
+            early = now is not None and plan.episode == now.episode and plan.seq > now.seq + MAX_TICKS_AHEAD
             if now is not None and early and plan.stamp > now.stamp + MAX_AHEAD:
                 raise WireError(f"expected a stamp up to {now.stamp:g} s; got {plan.stamp:g} s")
             self._plans.append(plan)
@@ -98,9 +98,9 @@ class Mind:
 
     def _meet(self, tick: Tick) -> None:
         """Answer the tick if it can be answered now; if not, it is looked at again when something comes in."""
-        if self._setup != (tick.epoch, tick.revision):
+        if self._setup != (tick.episode, tick.revision):
             self._learn()
-            if self._setup != (tick.epoch, tick.revision):
+            if self._setup != (tick.episode, tick.revision):
                 return
         if self._repeat and self._lockstep:  # the world says it again: something was lost on the way
             for answer in self._answers:
@@ -134,13 +134,13 @@ class Mind:
 
     def _hear(self, agent: Agent, tick: Tick) -> None:
         """Give the agent the plans from before this tick; those of this tick and of the next flight wait."""
-        ready = [plan for plan in self._plans if plan.epoch == tick.epoch and plan.seq < tick.seq]
+        ready = [plan for plan in self._plans if plan.episode == tick.episode and plan.seq < tick.seq]
         for plan in sorted(ready, key=lambda plan: plan.seq):
             agent.receive(plan)
         waiting = [
             plan
             for plan in self._plans
-            if plan.epoch == tick.epoch + 1 or (plan.epoch == tick.epoch and plan.seq >= tick.seq)
+            if plan.episode == tick.episode + 1 or (plan.episode == tick.episode and plan.seq >= tick.seq)
         ]
         self._plans = deque(waiting, maxlen=KEPT_PLANS)
 
@@ -157,23 +157,23 @@ class Mind:
             if setup is None:
                 return False
             faults = {link: Fault.model_validate(fault) for link, fault in setup.faults.items()}
-            if self._setup is None or self._setup[0] != setup.epoch:
-                self._begin(Scenario.model_validate_json(setup.scenario), setup.epoch)
+            if self._setup is None or self._setup[0] != setup.episode:
+                self._begin(Scenario.model_validate_json(setup.scenario), setup.episode)
                 self._lockstep = setup.mode == "lockstep"
         except (WireError, ValidationError) as error:
             self._rejects.add("setup", error)
             return False
         if self._agent is not None:
             self._agent.set_faults(faults)
-        self._setup = (setup.epoch, setup.revision)
+        self._setup = (setup.episode, setup.revision)
         return True
 
-    def _begin(self, scenario: Scenario, epoch: int) -> None:
+    def _begin(self, scenario: Scenario, episode: int) -> None:
         """A new flight."""
         self._size = scenario.size
         here = self._robot <= scenario.size
-        self._agent = Agent(scenario, self._robot, epoch=epoch) if here else None
-        wanted = keys.plan(self._session.run, self._agent.upstream) if self._agent else None
+        self._agent = Agent(scenario, self._robot, episode=episode) if here else None
+        wanted = topics.plan(self._session.run, self._agent.upstream) if self._agent else None
         if wanted != self._listening_to:
             if self._listening_to is not None:
                 self._session.unsubscribe(self._listening_to)
@@ -184,4 +184,4 @@ class Mind:
         self._answered, self._missed = -1, 0
 
 
-_WORDS = {"plan": keys.plan, "command": keys.command, "status": keys.status}
+_WORDS = {"plan": topics.plan, "command": topics.command, "status": topics.status}

@@ -11,9 +11,9 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
-from fleet.compiling import ensure_compiled
-from fleet.inprocess import fly
-from formation.scenario import load
+from formation.scenario.files import load
+from runtime.inprocess import simulate
+from runtime.precompile import ensure_compiled
 
 LATE = "link.latency=0.5"
 NOISE = "noise={slip=0.2, gyro=0.2, position=0.001, heading=0.01}"
@@ -87,7 +87,7 @@ def main() -> None:
 def _rms(job: Job) -> float:
     """Worst robot's RMS l_e [mm]."""
     name, settings, warmup = job
-    robots: dict[str, Any] = fly(load(name, settings), warmup=warmup)["robots"]
+    robots: dict[str, Any] = simulate(load(name, settings), warmup=warmup)["robots"]
     return 1e3 * max(float(figures["distance_error_m"]["rms"]) for figures in robots.values())
 
 

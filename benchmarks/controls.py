@@ -16,7 +16,7 @@ from playwright.sync_api import sync_playwright
 
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import Driven
-from tests.browser.flight import Flight
+from tests.browser.live_page import Flight
 
 GOAL_MS = 200.0
 MEASURE = """async ([press, shown]) => {

@@ -13,13 +13,13 @@ from time import monotonic
 from agents.agent import Agent, Answer
 from agents.process import STATUS_INTERVAL
 from formation.pattern import downstream
-from formation.scenario import load
-from network import keys
+from formation.scenario.files import load
+from network import topics
 from network.codec import encode
 from network.lifetime import Lifetime
 from network.messages import Message, Tick
-from network.session import Presence, Sample, Session
-from world.process import Driver
+from network.zenoh_bus import Presence, Sample, Session
+from world.process import WorldNode
 from world.world import World
 
 
@@ -40,7 +40,7 @@ class Ensemble(Session):
         self.world = world
         for robot in set(world.robots) - self._announced:
             self._announced.add(robot)
-            self.announce(keys.status(self.run, robot))
+            self.announce(topics.status(self.run, robot))
             self.appear("agent", robot)
             self.inbox.put(Presence("agent", robot, True))
 
@@ -53,12 +53,12 @@ class Ensemble(Session):
     def _answer(self, tick: Tick) -> None:
         world = self.world
         assert world is not None
-        if self._flown is None or self._flown[0] != tick.epoch:
+        if self._flown is None or self._flown[0] != tick.episode:
             self.gather(world)
-            self._agents = {robot: Agent(world.scenario, robot, epoch=tick.epoch) for robot in world.robots}
+            self._agents = {robot: Agent(world.scenario, robot, episode=tick.episode) for robot in world.robots}
             self._before = {}
-        if self._flown != (tick.epoch, tick.revision):
-            self._flown = tick.epoch, tick.revision
+        if self._flown != (tick.episode, tick.revision):
+            self._flown = tick.episode, tick.revision
             for agent in self._agents.values():
                 agent.set_faults(world.faults.table)
         for robot, answer in self._before.items():
@@ -66,11 +66,11 @@ class Ensemble(Session):
                 self._agents[downstream(robot, len(self._agents))].receive(answer.plan)
         for robot, agent in self._agents.items():
             self._before[robot] = answer = agent.step(tick.seq, tick.stamp, tick.poses[robot - 1])
-            self.inbox.put(Sample(keys.command(self.run, robot), encode(answer.command)))
+            self.inbox.put(Sample(topics.command(self.run, robot), encode(answer.command)))
         if monotonic() >= self._status_due:
             self._status_due = monotonic() + STATUS_INTERVAL
             for robot, agent in self._agents.items():
-                super().publish(keys.status(self.run, robot), agent.status(tick.seq, tick.stamp))
+                super().publish(topics.status(self.run, robot), agent.status(tick.seq, tick.stamp))
 
 
 def main() -> int:
@@ -85,7 +85,7 @@ def main() -> int:
     scenario = load(options.scenario, options.settings)
     with Ensemble(options.connect, options.run) as session:
         world = World(scenario, endless=options.endless)
-        driver = Driver(session, world, Lifetime(session.wake), speed=1.0, start=True)
+        driver = WorldNode(session, world, Lifetime(session.wake), speed=1.0, start=True)
         session.gather(world)
         driver.run()
     return 0

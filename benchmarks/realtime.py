@@ -17,12 +17,12 @@ from typing import Any
 
 import psutil
 
-from fleet.compiling import ensure_compiled
-from fleet.runs import find
-from network import keys
+from network import topics
 from network.codec import decode
 from network.messages import State, Status
-from network.session import Sample, Session
+from network.zenoh_bus import Sample, Session
+from runtime.precompile import ensure_compiled
+from runtime.run_registry import find
 
 RUN = "benchmark"
 
@@ -60,7 +60,7 @@ def _start_up() -> float:
             if up.poll() is not None:
                 raise SystemExit("echelon up ended early")
         with Session(f"unixsock-stream/{socket}", RUN) as session:
-            session.subscribe(keys.state(RUN))
+            session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=30.0)
                 if isinstance(item, Sample) and decode(State, item.payload).stamp > 0.0:
@@ -107,7 +107,7 @@ def _missed(robots: int) -> list[int]:
     run = find(RUN)
     counts: dict[int, int] = {}
     with Session(run.endpoint, RUN) as session:
-        session.subscribe(keys.status(RUN, "*"))
+        session.subscribe(topics.status(RUN, "*"))
         while len(counts) < robots:
             item = session.inbox.get(timeout=5.0)
             if isinstance(item, Sample):

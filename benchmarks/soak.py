@@ -24,12 +24,12 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from benchmarks.controls import size
-from fleet.compiling import ensure_compiled
-from fleet.supervisor import ENVIRONMENT
 from network.control import Compare
+from runtime.precompile import ensure_compiled
+from runtime.supervisor import ENVIRONMENT
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import READY, frames
-from tests.browser.flight import Flight
+from tests.browser.live_page import Flight
 
 SCENARIO = "ring-16"
 WARM_UP_SECONDS = 60.0

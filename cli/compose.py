@@ -3,9 +3,9 @@
 import argparse
 
 from cli.options import add_scenario, load
-from fleet.compose import compose_file
 from formation.errors import ScenarioError, unknown
-from formation.scenario import shipped
+from formation.scenario.files import shipped
+from runtime.compose import compose_file
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -15,10 +15,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from agents.cache import cache_folder, compiled
+from agents.kernels.jit_cache import cache_folder, compiled
 from cli.up import DEFAULT_PORT, LOOPBACK
-from fleet.runs import SOCKET_PATH_LIMIT, folder, live
 from formation.errors import EchelonError
+from runtime.run_registry import SOCKET_PATH_LIMIT, folder, live
 
 BROWSERS = ("chromium", "google-chrome", "chromium-browser", "firefox", "xdg-open", "open")
 DISTRIBUTION = "echelon-formations"

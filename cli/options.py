@@ -4,13 +4,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from fleet.runs import find
-from formation import scenario
-from formation.controllers import NAMES
 from formation.errors import ScenarioError
 from formation.faults import PRESETS
-from formation.scenario import Scenario
-from network.session import Session
+from formation.scenario import files
+from formation.scenario.registry import NAMES
+from formation.scenario.scenario import Scenario
+from network.zenoh_bus import Session
+from runtime.run_registry import find
 
 DEFAULT_SCENARIO = "triangle-circle"
 
@@ -51,7 +51,7 @@ def _faults(name: str) -> str:
     if not name.endswith(".toml"):
         choices = ", ".join([*PRESETS, "FILE.toml"])
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
-    entries = scenario.read(name).get("faults")
+    entries = files.read(name).get("faults")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
     tables = [", ".join(f"{key} = {_value(value)}" for key, value in entry.items()) for entry in entries]
@@ -67,7 +67,7 @@ def _value(value: object) -> str:
 def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
     """The scenario, and the key=value settings that make it from its file. Raises ScenarioError."""
     changes = settings(options)
-    return scenario.load(options.scenario, changes), changes
+    return files.load(options.scenario, changes), changes
 
 
 def source(options: argparse.Namespace) -> str:

@@ -11,8 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from rich.table import Table
 
 from cli.options import tell
-from fleet.compiling import ensure_compiled
-from formation.quantities import seconds
+from formation.units import seconds
+from runtime.precompile import ensure_compiled
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +29,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Fly, draw, write; and say what holds."""
-    from experiments import paper  # noqa: PLC0415  matplotlib takes half a second to import, --help does without
-    from experiments.chapters import Extent  # noqa: PLC0415
+    from experiments.paper import paper  # noqa: PLC0415  matplotlib takes half a second to import, --help does without
+    from experiments.paper.chapters import Extent  # noqa: PLC0415
 
     out = paper.folder(options.out)
     ensure_compiled(tell)

@@ -12,10 +12,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.options import add_scenario, load, source, tell
-from fleet.compiling import ensure_compiled
-from fleet.live import LiveRun
 from formation.errors import EchelonError
-from formation.scenario import Scenario
+from formation.scenario.scenario import Scenario
+from runtime.launcher import LiveRun
+from runtime.precompile import ensure_compiled
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,9 +51,9 @@ def run(options: argparse.Namespace) -> int:
 
 def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
     ensure_compiled(tell)
-    from fleet import inprocess  # noqa: PLC0415  numba takes half a second to import, the other engine does without
+    from runtime import inprocess  # noqa: PLC0415  numba takes half a second to import, the other engine does without
 
-    return inprocess.fly(scenario, warmup=warmup, progress=report)
+    return inprocess.simulate(scenario, warmup=warmup, progress=report)
 
 
 def _processes(

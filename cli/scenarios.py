@@ -6,7 +6,7 @@ import json
 from rich.console import Console
 from rich.table import Table
 
-from formation.scenario import load, shipped
+from formation.scenario.files import load, shipped
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

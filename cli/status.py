@@ -10,9 +10,9 @@ from rich.table import Table
 
 from cli.options import add_run, session
 from cli.talk import newest_state
-from fleet.runs import live as live_runs
 from formation.faults import PERFECT, with_changes
 from network.messages import State
+from runtime.run_registry import live as live_runs
 
 MILLI = 1e3
 

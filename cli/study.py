@@ -14,8 +14,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.options import tell
-from experiments.study import Study, load, shipped
-from experiments.table import Row
+from experiments.study.study import Study, load, shipped
+from experiments.study.table import Row
 from formation.errors import StudyError
 
 DEFAULT_OUT = "results"
@@ -54,11 +54,11 @@ def run(options: argparse.Namespace) -> int:
         raise StudyError("--workers: expected no number with --cluster; the cluster has its own")
     study = load(options.study, seeds=options.seeds, settings=options.settings)
     folder: Path = options.out or Path(DEFAULT_OUT) / f"study-{study.name}"
-    from experiments.results import fly_and_write  # noqa: PLC0415  with what flies; the list does without
+    from experiments.study.results import run_and_write  # noqa: PLC0415  with what flies; the list does without
 
     with _Progress(study.name) as progress:
         try:
-            outcome = fly_and_write(
+            outcome = run_and_write(
                 study,
                 folder,
                 workers=options.workers or _cores(),

@@ -3,11 +3,11 @@
 import contextlib
 
 from formation.errors import EchelonError, WireError
-from network import keys
+from network import topics
 from network.codec import decode
 from network.control import Operation
 from network.messages import Reply, State
-from network.session import Sample, Session
+from network.zenoh_bus import Sample, Session
 
 ANSWER_SECONDS = 3.0
 
@@ -32,7 +32,7 @@ def newest_state(session: Session) -> State:
     Raises:
         EchelonError: it says nothing.
     """
-    session.subscribe(keys.state(session.run))
+    session.subscribe(topics.state(session.run))
     for item in session.incoming(ANSWER_SECONDS):
         if isinstance(item, Sample):
             with contextlib.suppress(WireError):  # somebody else's garbage

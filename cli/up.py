@@ -5,10 +5,10 @@ import errno
 import socket
 
 from cli.options import add_scenario, load, source, tell
-from dashboard import access
-from fleet.live import LiveRun
-from fleet.runs import free_name
+from dashboard.serving import access
 from formation.errors import EchelonError
+from runtime.launcher import LiveRun
+from runtime.run_registry import free_name
 
 DEFAULT_PORT = 8090
 LOOPBACK = "127.0.0.1"

@@ -4,11 +4,11 @@ import argparse
 import logging
 import sys
 
-from dashboard import access, server
 from dashboard.page import Page
+from dashboard.serving import access, server
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.session import Session
+from network.zenoh_bus import Session
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -7,30 +7,30 @@ from typing import Any
 
 import viser
 
-from dashboard import tables
-from dashboard.cameras import Cameras
-from dashboard.controls import offer
-from dashboard.desk import Desk
-from dashboard.faults import FaultPanel
-from dashboard.feed import Feed, Seen
-from dashboard.history import History
-from dashboard.links import LinkView, links
-from dashboard.lives import Lives
-from dashboard.matrix import matrix
-from dashboard.mishaps import Mishaps
-from dashboard.notices import Notices
-from dashboard.palette import DARK, LIGHT, Palette
-from dashboard.plots import FIRST, SECOND, Chart
-from dashboard.recording import Recording
-from dashboard.run import RunPanel
-from dashboard.saving import Saving
-from dashboard.scene import LAYERS, Scene
-from dashboard.sheet import sheet
-from dashboard.taps import Taps
-from dashboard.words import legend
+from dashboard.export.saving import Saving
+from dashboard.panels import tables
+from dashboard.panels.agent_lifecycle import AgentLifecycle
+from dashboard.panels.clickable import Clickable
+from dashboard.panels.controls import offer
+from dashboard.panels.faults import FaultPanel
+from dashboard.panels.matrix import matrix
+from dashboard.panels.notices import Notices
+from dashboard.panels.plots import FIRST, SECOND, Chart
+from dashboard.panels.requests import RequestQueue
+from dashboard.panels.run import RunPanel
+from dashboard.scene.cameras import Cameras
+from dashboard.scene.scene import LAYERS, Scene
+from dashboard.telemetry.history import History
+from dashboard.telemetry.links import LinkView, links
+from dashboard.telemetry.mishaps import Mishaps
+from dashboard.telemetry.recording import Recording
+from dashboard.telemetry.subscriber import Seen, TelemetrySubscriber
+from dashboard.theme.formatting import legend
+from dashboard.theme.palette import DARK, LIGHT, Palette
+from dashboard.theme.stylesheet import sheet
 from network.lifetime import Lifetime
 from network.messages import State
-from network.session import Session
+from network.zenoh_bus import Session
 
 FRAME = 1.0 / 30.0
 CROWD_FRAME = 1.0 / 18.0
@@ -49,10 +49,10 @@ class Page:
     def __init__(self, server: viser.ViserServer, session: Session) -> None:
         """Lay the page out."""
         self._server = server
-        self._feed = Feed(session)
+        self._feed = TelemetrySubscriber(session)
         self._notices = Notices(server)
-        self._desk = Desk(session, self._feed, self._notices.tell)
-        self._lives = Lives(self._desk)
+        self._desk = RequestQueue(session, self._feed, self._notices.tell)
+        self._lives = AgentLifecycle(self._desk)
         self._history = History()
         self._recording = Recording()
         self._cameras = Cameras(server)
@@ -71,7 +71,7 @@ class Page:
         self._faults = FaultPanel(gui, self._desk)
         self._add_view(gui)
         self._saving = Saving(gui, session.run, self._recording, lambda: self._palette, self._notices.tell)
-        self._taps = Taps(gui, self._tapped)
+        self._taps = Clickable(gui, self._tapped)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(330)
         panel = gui.add_panel()
@@ -244,7 +244,7 @@ class Page:
         newest = state.events[-1].number if state.events else 0
         return (
             *about,
-            state.epoch,
+            state.episode,
             state.revision,
             state.status,
             state.speed,
@@ -275,8 +275,8 @@ class Page:
 
 def solves(seen: Seen) -> list[float]:
     """What a plan has cost each robot of late [s]."""
-    epoch = seen.state.epoch if seen.state is not None else None
-    return [status.solve for status in seen.statuses.values() if status.epoch == epoch]
+    episode = seen.state.episode if seen.state is not None else None
+    return [status.solve for status in seen.statuses.values() if status.episode == episode]
 
 
 def _logo(ink: str) -> str:

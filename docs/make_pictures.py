@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 from network.control import SetFault
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import Driven
-from tests.browser.flight import Flight
+from tests.browser.live_page import Flight
 
 HERE = Path(__file__).parent
 SIZE = {"width": 1680, "height": 980}

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from formation.model import Duration, Model, Probability
+from formation.schema import Duration, Model, Probability
 
 
 class Disturbance(Model):

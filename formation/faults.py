@@ -10,9 +10,9 @@ from typing import Any, Literal
 from pydantic import ValidationError, model_validator
 
 from formation.errors import FaultError, unknown
-from formation.model import Duration, Model, NonNegative, Probability
 from formation.pattern import downstream
-from formation.problems import problems
+from formation.schema import Duration, Model, NonNegative, Probability
+from formation.validation import problems
 
 
 class Fault(Model):

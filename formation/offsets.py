@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
-from formation.paths import Path
-from formation.shape import Formation
+from formation.formation_spec import Formation
+from formation.paths.kinds import Path
 
 PEAK = 1.875
 """Largest slope of the smooth step: 15/8."""

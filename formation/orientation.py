@@ -5,9 +5,9 @@ from typing import Protocol
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.formation_spec import Formation
 from formation.offsets import PEAK, smooth
-from formation.paths import Path, heading
-from formation.shape import Formation
+from formation.paths.kinds import Path, heading
 from formation.unicycle import wrap
 
 SHARE = 0.15

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
-from formation.measures import wrapped
+from formation.metrics import wrapped
 from formation.offsets import Offsets
 from formation.orientation import Orientation
-from formation.paths import Path, heading
+from formation.paths.kinds import Path, heading
 from formation.pattern import rotate
 
 BLOCK_TICKS = 2000

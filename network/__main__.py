@@ -7,9 +7,9 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from formation.errors import EchelonError
-from network.folder import remove
 from network.lifetime import Lifetime
-from network.session import Router
+from network.run_folder import remove
+from network.zenoh_bus import Router
 
 
 def main(arguments: list[str] | None = None) -> int:

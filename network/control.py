@@ -4,11 +4,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from formation.controllers import ControllerName
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
-from formation.model import Duration, Model, NonNegative
-from formation.problems import problems
+from formation.scenario.registry import ControllerName
+from formation.schema import Duration, Model, NonNegative
+from formation.validation import problems
 from network.messages import Request
 
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
@@ -112,7 +112,7 @@ class GetFaults(Model):
 class FaultTables(Model):
     """Faults of a flight: from each stamp on, every link that was not perfect."""
 
-    epoch: int
+    episode: int
     changes: int
     """How many tables there have been in this flight; one that is not here is had by asking again."""
     tables: list[tuple[NonNegative, dict[str, Fault]]]

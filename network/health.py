@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from formation.errors import EchelonError
-from network.session import Presence, Session
+from network.zenoh_bus import Presence, Session
 
 SECONDS = 3.0
 

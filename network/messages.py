@@ -1,6 +1,6 @@
 """The words that processes say to each other. Every message is a frozen value with sender, seq and stamp.
 
-`stamp` is simulated time [s]; `epoch` changes with every reset, so that words of an earlier flight are not taken
+`stamp` is simulated time [s]; `episode` changes with every reset, so that words of an earlier flight are not taken
 for words of this one. Robots are numbered from 1. network/codec.py turns messages into bytes and back.
 """
 
@@ -68,7 +68,7 @@ class Tick:
     seq: Count
     """k, the number of the tick."""
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     revision: Count
     """Which `Setup` holds from this tick on."""
     poses: Poses
@@ -88,7 +88,7 @@ class Plan:
     seq: Count
     """k of the tick it answers."""
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     pose: Pose
     """Where the sender is at `stamp`, as far as it knows."""
     interval: Positive
@@ -109,7 +109,7 @@ class Command:
     seq: Count
     """k of the tick it answers."""
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     v: Real
     """[m/s]."""
     omega: Real
@@ -148,7 +148,7 @@ class Status:
     sender: Sender
     seq: Count
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     link: Text
     """Name of the link from its upstream neighbour."""
     age: NonNegative
@@ -191,7 +191,7 @@ class State:
     sender: Sender
     seq: Count
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     revision: Count
     scenario: Text
     controller: Text
@@ -241,7 +241,7 @@ class Ghost:
     sender: Sender
     seq: Count
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     controller: Text
     poses: Poses
     distance_errors: Numbers
@@ -260,7 +260,7 @@ class Setup:
     sender: Sender
     seq: Count
     stamp: NonNegative
-    epoch: Count
+    episode: Count
     revision: Count
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""

@@ -1,7 +1,6 @@
 """The arrows between the rooms point one way, and some words are spoken in one room only (DESIGN sections 1 and 8)."""
 
 import ast
-import importlib
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -16,9 +15,9 @@ ALLOWED = {
     "agents": {"formation", "network"},
     "world": {"formation", "network"},
     "dashboard": {"formation", "network"},
-    "fleet": {"formation", "network", "agents", "world", "dashboard"},
-    "experiments": {"formation", "network", "agents", "world", "dashboard", "fleet"},
-    "cli": {"formation", "network", "agents", "world", "dashboard", "fleet", "experiments"},
+    "runtime": {"formation", "network", "agents", "world", "dashboard"},
+    "experiments": {"formation", "network", "agents", "world", "dashboard", "runtime"},
+    "cli": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
@@ -27,45 +26,68 @@ DATA = {"scenarios", "studies"}
 FILES = sorted(file for room in ROOMS for file in (ROOT / room).rglob("*.py"))
 MAX_LINES = 300
 
+MAX_MODULES = 20
+"""In one folder, __init__ and __main__ aside."""
+
+INSIDE: dict[str, list[set[str]]] = {
+    "formation": [
+        {"arrays", "errors", "units", "unicycle"},
+        {"pattern", "validation"},
+        {"shapes", "schema", "metrics"},
+        {"formation_spec", "faults", "disturbances", "paths"},
+        {"offsets"},
+        {"orientation"},
+        {"reference"},
+        {"scenario"},
+    ],
+    "network": [
+        {"messages", "topics", "lifetime", "throttled_log", "run_folder"},
+        {"codec", "control", "link"},
+        {"zenoh_bus"},
+        {"health", "__main__"},
+    ],
+    "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],
+    "world": [
+        {"bodies", "faults", "trace", "rate"},
+        {"world"},
+        {"presence"},
+        {"run_control"},
+        {"process"},
+        {"__main__"},
+    ],
+    "dashboard": [
+        {"telemetry"},
+        {"theme"},
+        {"scene"},
+        {"export"},
+        {"panels"},
+        {"serving"},
+        {"page"},
+        {"__main__"},
+    ],
+    "experiments": [{"metrics"}, {"trials"}, {"report"}, {"study"}, {"errata"}, {"paper"}],
+}
+"""The order inside a room: a unit (a module, or a folder of them) imports its own row and those above it."""
+
 WALL_CLOCK = {"time", "datetime", "sched", "calendar"}
-CLOCK_FREE = [
-    "formation",
-    "agents/agent.py",
-    "agents/belief.py",
-    "agents/box_kernel.py",
-    "agents/centralised.py",
-    "agents/consensus.py",
-    "agents/consensus_kernel.py",
-    "agents/controllers.py",
-    "agents/kernels.py",
-    "agents/leader_follower.py",
-    "agents/matrix_kernels.py",
-    "agents/nash.py",
-    "agents/nash_kernel.py",
-    "agents/paper.py",
-    "agents/paper_game_kernel.py",
-    "agents/paper_kernel.py",
-    "agents/situation.py",
-    "agents/team_kernel.py",
-    "agents/virtual_structure.py",
-    "network/codec.py",
-    "network/control.py",
-    "network/keys.py",
-    "network/link.py",
-    "network/messages.py",
-    "world/faults.py",
-    "world/plant.py",
-    "world/trace.py",
-    "world/world.py",
-    "fleet/inprocess.py",
-    "fleet/ghost/shadow.py",
-    "experiments",
-]
-"""The core: what decides reads no clock. Everything else in these rooms is the shell of a process."""
-MEASURES_SOLVES = {"agents/agent.py": {"perf_counter"}, "fleet/inprocess.py": {"perf_counter"}}
+CLOCKS = {
+    "agents/process.py",
+    "cli",
+    "dashboard",
+    "network/__main__.py",
+    "network/lifetime.py",
+    "network/throttled_log.py",
+    "network/zenoh_bus.py",
+    "runtime",
+    "world/presence.py",
+    "world/process.py",
+    "world/rate.py",
+}
+"""Who may read the wall clock: processes, and what paces or watches them. Everything else decides without it."""
+CLOCK_FREE_RUNTIME = {"runtime/inprocess.py", "runtime/ghost/shadow.py"}
+"""Of the room that starts processes, the part that simulates without any."""
+MEASURES_SOLVES = {"agents/agent.py": {"perf_counter"}, "runtime/inprocess.py": {"perf_counter"}}
 """How long something took may be measured; it decides nothing."""
-PURE = [name for name in CLOCK_FREE if name not in MEASURES_SOLVES]
-SHELLS_WITH_CLOCKS = {"agents", "world", "dashboard", "network", "fleet", "cli"}
 
 
 def name_of(file: Path) -> str:
@@ -126,7 +148,7 @@ def test_a_wrong_import_would_be_found(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
     (tmp_path / "agents").mkdir()
     file = tmp_path / "agents" / "bad.py"
-    file.write_text("def f():\n    from world.plant import Plant\n    import cli.main\n", encoding="utf-8")
+    file.write_text("def f():\n    from world.bodies.unicycle import Plant\n    import cli.main\n", encoding="utf-8")
     assert violations(file) == ["cli", "world"]
 
 
@@ -142,7 +164,7 @@ def test_no_other_folder_holds_code_of_the_product() -> None:
 
 
 def test_zenoh_is_imported_in_one_module_of_network() -> None:
-    assert importers("zenoh") == {"network/session.py"}
+    assert importers("zenoh") == {"network/zenoh_bus.py"}
 
 
 def test_viser_is_imported_in_dashboard_only() -> None:
@@ -154,51 +176,69 @@ def test_viser_is_imported_in_dashboard_only() -> None:
 def test_numba_is_imported_where_kernels_are_compiled_only() -> None:
     # Importing numba costs a process 0.4 s and 120 MB: formation, network, world and dashboard must not.
     files = importers("numba")
-    assert "agents/compiled.py" in files
-    assert {file.split("/")[0] for file in files} <= {"agents", "fleet", "cli"}
+    assert "agents/kernels/jit.py" in files
+    assert {file.split("/")[0] for file in files} <= {"agents", "runtime", "cli"}
 
 
 def test_matplotlib_is_imported_in_experiments_only() -> None:
     files = importers("matplotlib")
-    assert "experiments/style.py" in files
+    assert "experiments/report/style.py" in files
     assert {file.split("/")[0] for file in files} == {"experiments"}
 
 
-@pytest.mark.parametrize("place", PURE)
-def test_what_decides_reads_no_wall_clock(place: Any) -> None:
-    files = [file for file in FILES if name_of(file) == place or name_of(file).startswith(f"{place}/")]
-    assert files, f"{place} does not exist"
+def may_read_a_clock(file: Path) -> bool:
+    name = name_of(file)
+    return name not in CLOCK_FREE_RUNTIME and any(name == place or name.startswith(f"{place}/") for place in CLOCKS)
+
+
+def test_only_processes_read_the_wall_clock() -> None:
+    for file in FILES:
+        used = [names for module, names in imports(file) if module.split(".")[0] in WALL_CLOCK]
+        if name_of(file) in MEASURES_SOLVES:
+            assert used == [MEASURES_SOLVES[name_of(file)]], name_of(file)
+        elif not may_read_a_clock(file):
+            assert not used, name_of(file)
+
+
+def test_every_place_that_may_read_a_clock_exists_and_does() -> None:
+    readers = {name_of(file) for file in FILES if any(m.split(".")[0] in WALL_CLOCK for m, _ in imports(file))}
+    for place in CLOCKS - {"network/__main__.py"}:
+        assert any(name == place or name.startswith(f"{place}/") for name in readers), place
+
+
+def unit_of(name: str) -> str:
+    """The unit of a module such as dashboard/panels/run.py: panels."""
+    return name.split("/")[1].removesuffix(".py")
+
+
+@pytest.mark.parametrize("room", INSIDE)
+def test_arrows_inside_a_room_point_one_way(room: Any) -> None:
+    rank = {unit: row for row, units in enumerate(INSIDE[room]) for unit in units}
+    files = [file for file in FILES if name_of(file).startswith(f"{room}/") and name_of(file) != f"{room}/__init__.py"]
+    assert {unit_of(name_of(file)) for file in files} == set(rank)
+    wrong = []
     for file in files:
-        modules = {module.split(".")[0] for module, _ in imports(file)}
-        assert not modules & WALL_CLOCK, name_of(file)
+        own = rank[unit_of(name_of(file))]
+        for module, names in imports(file):
+            parts = module.split(".")
+            if parts[0] != room:
+                continue
+            units = {parts[1]} if len(parts) > 1 else names
+            wrong += [f"{name_of(file)} imports {unit}" for unit in units if rank[unit] > own]
+    assert not wrong
 
 
-def test_solve_times_are_measured_with_perf_counter_and_nothing_else() -> None:
-    for place, allowed in MEASURES_SOLVES.items():
-        used = [names for module, names in imports(ROOT / place) if module.split(".")[0] in WALL_CLOCK]
-        assert used == [allowed], place
-
-
-def test_only_shells_of_processes_read_a_clock() -> None:
-    readers = importers("time") | importers("datetime")
-    assert readers
-    assert {file.split("/")[0] for file in readers} <= SHELLS_WITH_CLOCKS
-    shells = {file for file in readers if file.split("/")[0] in {"agents", "world", "network"}} - set(MEASURES_SOLVES)
-    processes = {"agents/process.py", "world/process.py", "world/pace.py", "world/roster.py"}
-    # In network: the end of a process, the log's rate, the router's health, and waiting for replies.
-    network = {
-        "network/lifetime.py",
-        "network/rejects.py",
-        "network/health.py",
-        "network/session.py",
-        "network/__main__.py",
-    }
-    assert shells <= processes | network
+def test_a_folder_has_at_most_20_modules() -> None:
+    folders = {file.parent for file in FILES}
+    assert len(folders) > 15
+    for folder in folders:
+        modules = [file for file in folder.glob("*.py") if not file.stem.startswith("__")]
+        assert len(modules) <= MAX_MODULES, folder
 
 
 def test_chance_in_the_core_is_seeded() -> None:
     """No module of `random`, and no numpy generator without a seed, in what decides."""
-    files = [file for file in FILES if any(name_of(file).startswith(place) for place in CLOCK_FREE)]
+    files = [file for file in FILES if not may_read_a_clock(file)]
     assert len(files) > 25
     for file in files:
         assert "random" not in {module for module, _ in imports(file)}, name_of(file)
@@ -225,12 +265,9 @@ def test_there_are_no_utils_and_no_common() -> None:
     assert not [file for file in FILES if file.stem in {"utils", "util", "common", "helpers", "misc"}]
 
 
-def test_tests_are_flat_and_shadow_no_room() -> None:
-    folders = {
-        path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and not path.name.startswith((".", "__"))
-    }
-    assert folders <= {"browser", "processes"}
-    for room in ROOMS:
-        origin = importlib.import_module(room).__file__
-        assert origin is not None
-        assert Path(origin).parent == ROOT / room
+def test_tests_mirror_the_tree() -> None:
+    """A folder of tests is a folder of the product, or starts browsers or processes."""
+    for file in (ROOT / "tests").rglob("test_*.py"):
+        folder = file.parent.relative_to(ROOT / "tests").as_posix()
+        assert folder in {".", "browser", "processes"} or (ROOT / folder / "__init__.py").exists(), folder
+    assert not list((ROOT / "tests").rglob("__init__.py"))  # a package `tests.agents` would shadow nothing, but confuse

@@ -5,12 +5,12 @@ import logging
 import secrets
 import sys
 
-from formation.controllers import check_live
 from formation.errors import EchelonError
-from formation.scenario import load
+from formation.scenario.files import load
+from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
-from network.session import Session
-from world.process import Driver
+from network.zenoh_bus import Session
+from world.process import WorldNode
 from world.world import Mode, World
 
 
@@ -33,10 +33,10 @@ def main(arguments: list[str] | None = None) -> int:
         with Session(options.connect, options.run) as session:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.
-            epoch = secrets.randbits(32)
+            episode = secrets.randbits(32)
             mode: Mode = "realtime" if options.realtime else "lockstep"
-            world = World(scenario, epoch=epoch, endless=options.endless, mode=mode)
-            Driver(session, world, lifetime, speed=options.speed, start=not options.paused).run()
+            world = World(scenario, episode=episode, endless=options.endless, mode=mode)
+            WorldNode(session, world, lifetime, speed=options.speed, start=not options.paused).run()
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2

@@ -8,7 +8,7 @@ from typing import Any
 
 from formation.errors import FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, every_link, links_named, plan_links, with_changes
-from formation.scenario import Scenario
+from formation.scenario.scenario import Scenario
 
 KEPT_CHANGES = 5000
 """Tables of faults that a flight remembers, for those who fly it again beside it."""

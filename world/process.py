@@ -9,16 +9,16 @@ from queue import Empty
 from time import monotonic
 
 from formation.errors import EchelonError, WireError
-from network import control, keys
+from network import control, topics
 from network.codec import decode, encode
 from network.control import Operation
 from network.lifetime import Lifetime
 from network.messages import Command, Reply, Request, Status
-from network.rejects import Rejects
-from network.session import Incoming, Presence, Query, Sample, Session
-from world.orders import Orders
-from world.pace import Pace
-from world.roster import Roster
+from network.throttled_log import ThrottledLog
+from network.zenoh_bus import Incoming, Presence, Query, Sample, Session
+from world.presence import AgentPresence
+from world.rate import Rate
+from world.run_control import RunControl
 from world.world import World
 
 STATE_INTERVAL = 0.05
@@ -36,7 +36,7 @@ MAX_AHEAD = 1.0
 """A message may be stamped so far ahead of the world's time [s]."""
 
 
-class Driver:
+class WorldNode:
     """Drives a World over a Session until its lifetime is over."""
 
     def __init__(self, session: Session, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> None:
@@ -50,20 +50,20 @@ class Driver:
             start: begin as soon as every agent is there.
         """
         self._session, self._world, self._lifetime = session, world, lifetime
-        self._pace = Pace(speed)
-        self._roster = Roster(session, world)
-        self._orders = Orders(world, self._pace, self._roster, go=start)
+        self._pace = Rate(speed)
+        self._roster = AgentPresence(session, world)
+        self._orders = RunControl(world, self._pace, self._roster, go=start)
         self._asked: deque[tuple[Operation, Query]] = deque()
         self._commands: dict[int, Command] = {}
-        self._rejects = Rejects()
+        self._rejects = ThrottledLog()
         self._states, self._state_due = 0, monotonic()
         run = session.run
-        self._keys = {"tick": keys.tick(run), "state": keys.state(run)}
+        self._keys = {"tick": topics.tick(run), "state": topics.state(run)}
         session.announce(self._keys["tick"], reliable=world.mode == "lockstep")
         session.announce(self._keys["state"])
-        session.subscribe(keys.command(run, "*"))
-        session.subscribe(keys.status(run, "*"))
-        session.serve(keys.control(run))
+        session.subscribe(topics.command(run, "*"))
+        session.subscribe(topics.status(run, "*"))
+        session.serve(topics.control(run))
         session.watch()
         session.appear("world")
 
@@ -126,7 +126,7 @@ class Driver:
         self._pace.note_overrun(world.scenario.control_interval)
         self._roster.reachable()
         commands, self._commands = self._commands, {}
-        world.advance({robot: command for robot, command in commands.items() if command.epoch == world.epoch})
+        world.advance({robot: command for robot, command in commands.items() if command.episode == world.episode})
         return not self._lifetime.over
 
     def _wait_until_due(self) -> None:
@@ -177,9 +177,9 @@ class Driver:
     def _take_sample(self, key: str, payload: bytes) -> None:
         world = self._world
         message = decode(Command, payload) if key.endswith("/command") else decode(Status, payload)
-        if message.sender != keys.robot_of(key):
+        if message.sender != topics.robot_of(key):
             raise WireError(f"expected the sender named in the key; got {message.sender}")
-        if message.epoch != world.epoch:
+        if message.episode != world.episode:
             return  # an agent that has not yet heard of the flight of now
         if message.sender not in world.robots:
             raise WireError(f"expected a robot of the scenario, 1 to {world.scenario.size}; got {message.sender}")

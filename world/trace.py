@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
-from formation.measures import pattern_errors, tracking_error
-from formation.scenario import Scenario
+from formation.metrics import pattern_errors, tracking_error
+from formation.scenario.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
 
 

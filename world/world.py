@@ -1,6 +1,6 @@
 """The world without any I/O: a tick out, commands in, one step; and what people may ask of it.
 
-It reads no clock. Who drives it (fleet/inprocess.py, world/process.py) decides when the next tick is due.
+It reads no clock. Who drives it (runtime/inprocess.py, world/process.py) decides when the next tick is due.
 """
 
 from collections import deque
@@ -12,15 +12,15 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
-from formation.measures import pattern_errors, tracking_error
+from formation.metrics import pattern_errors, tracking_error
 from formation.pattern import upstream
 from formation.reference import Reference
-from formation.scenario import Scenario
+from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
 from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
+from world.bodies.unicycle import Plant
 from world.faults import FaultState
-from world.plant import Plant
 from world.trace import Trace
 
 Mode = Literal["lockstep", "realtime"]
@@ -34,16 +34,16 @@ KEPT_EVENTS = 5000
 class World:
     """Bodies, links to them, faults, events and figures of one run; `reset` starts another flight of it."""
 
-    def __init__(self, scenario: Scenario, *, epoch: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
+    def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """A world at the start of a flight.
 
         Args:
             scenario: what is flown.
-            epoch: number of the flight, put into every message.
+            episode: number of the flight, put into every message.
             endless: fly on past the duration, if the path is closed; then no figures are kept.
             mode: "lockstep" or "realtime", for people to see.
         """
-        self.epoch, self.mode = epoch, mode
+        self.episode, self.mode = episode, mode
         self._endless_wish = endless
         self.revision = 0
         self.events: deque[Event] = deque(maxlen=KEPT_EVENTS)
@@ -106,7 +106,7 @@ class World:
                 sender=WORLD,
                 seq=self.k,
                 stamp=self.now,
-                epoch=self.epoch,
+                episode=self.episode,
                 revision=self.revision,
                 poses=self.plant.measure(),
                 planned=self._planned,
@@ -189,7 +189,7 @@ class World:
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
     def _next_flight(self) -> None:
-        self.epoch += 1
+        self.episode += 1
         self.revision += 1
         live = self.live
         self._begin()
@@ -217,7 +217,7 @@ class World:
 
     def hear(self, status: Status) -> None:
         """An agent says how it is doing."""
-        if status.epoch == self.epoch and status.sender in self.robots:
+        if status.episode == self.episode and status.sender in self.robots:
             self.statuses[status.sender] = status
             if (
                 status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}"
@@ -230,7 +230,7 @@ class World:
             sender=WORLD,
             seq=self.revision,
             stamp=self.now,
-            epoch=self.epoch,
+            episode=self.episode,
             revision=self.revision,
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
@@ -271,7 +271,7 @@ class World:
             sender=WORLD,
             seq=seq,
             stamp=self.now,
-            epoch=self.epoch,
+            episode=self.episode,
             revision=self.revision,
             scenario=self._scenario.name,
             controller=self._scenario.controller.name,

@@ -15,12 +15,12 @@ import imageio.v3 as images
 import numpy as np
 import pytest
 
-from dashboard import colours
-from dashboard.palette import DARK, LIGHT, Palette
+from dashboard.theme import colours
+from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
 from network.control import Compare, SetFault, UseController
 from tests.browser.driven import Driven
-from tests.browser.flight import ROOT, RUN, Flight
+from tests.browser.live_page import ROOT, RUN, Flight
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -13,13 +13,13 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from fleet.compiling import ensure_compiled
-from network import keys
+from network import topics
 from network.codec import decode
 from network.messages import State
-from network.session import Sample, Session
+from network.zenoh_bus import Sample, Session
+from runtime.precompile import ensure_compiled
 from tests.browser.driven import Driven
-from tests.browser.flight import ROOT
+from tests.browser.live_page import ROOT
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -56,7 +56,7 @@ class Launched:
     def state(self) -> State:
         """What the world says now."""
         with Session(self.endpoint, RUN) as session:
-            session.subscribe(keys.state(RUN))
+            session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=10.0)
                 if isinstance(item, Sample):

@@ -8,12 +8,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fleet.runs import find
-from network import keys
+from network import topics
 from network.codec import decode
 from network.messages import Ghost, State
-from network.session import Sample, Session
-from tests.processes.conftest import Up, echelon, wait_for
+from network.zenoh_bus import Sample, Session
+from runtime.run_registry import find
+from tests.processes.live import Up, echelon, wait_for
 
 pytestmark = pytest.mark.processes
 Start = Callable[..., Up]
@@ -26,25 +26,25 @@ class Ears:
         self._session = session
         self.states: dict[tuple[int, float], State] = {}
         self.ghosts: dict[tuple[int, float], Ghost] = {}
-        session.subscribe(keys.state(session.run))
-        session.subscribe(keys.ghost(session.run))
+        session.subscribe(topics.state(session.run))
+        session.subscribe(topics.ghost(session.run))
 
     def listen(self) -> None:
         while not self._session.inbox.empty():
             item = self._session.inbox.get()
             if isinstance(item, Sample) and item.key.endswith("/state"):
                 state = decode(State, item.payload)
-                self.states[state.epoch, state.stamp] = state
+                self.states[state.episode, state.stamp] = state
             elif isinstance(item, Sample):
                 ghost = decode(Ghost, item.payload)
-                self.ghosts[ghost.epoch, ghost.stamp] = ghost
+                self.ghosts[ghost.episode, ghost.stamp] = ghost
 
-    def pairs(self, controller: str, epoch: int | None = None) -> list[tuple[State, Ghost]]:
+    def pairs(self, controller: str, episode: int | None = None) -> list[tuple[State, Ghost]]:
         self.listen()
         return [
             (self.states[key], ghost)
             for key, ghost in self.ghosts.items()
-            if key in self.states and ghost.controller == controller and epoch in (None, key[0])
+            if key in self.states and ghost.controller == controller and episode in (None, key[0])
         ]
 
 
@@ -65,9 +65,9 @@ def test_the_ghost_of_the_live_controller_is_the_live_flight_through_faults_and_
         echelon("fault", "preset", "bursty", "--link", "3->1")
         end = max(ears.states)[1] + 3.0
         wait_for(lambda: any(state.stamp > end for state, _ in ears.pairs("nash")))
-        epoch = run.status()["epoch"]
+        episode = run.status()["episode"]
         echelon("control", "reset")
-        wait_for(lambda: [pair for pair in ears.pairs("nash", epoch + 1) if pair[0].stamp > 1.0])
+        wait_for(lambda: [pair for pair in ears.pairs("nash", episode + 1) if pair[0].stamp > 1.0])
         pairs = ears.pairs("nash")
         assert len({state.revision for state, _ in pairs}) >= 4
         for state, ghost in pairs:
@@ -80,8 +80,8 @@ def test_the_ghost_of_the_live_controller_is_the_live_flight_through_faults_and_
 
         echelon("control", "scenario", "figure8")
         echelon("control", "compare", "leader_follower")
-        wait_for(lambda: [p for p in ears.pairs("leader_follower", epoch + 2) if p[0].stamp > 1.0])
-        state, ghost = max(ears.pairs("leader_follower", epoch + 2), key=lambda pair: pair[0].stamp)
+        wait_for(lambda: [p for p in ears.pairs("leader_follower", episode + 2) if p[0].stamp > 1.0])
+        state, ghost = max(ears.pairs("leader_follower", episode + 2), key=lambda pair: pair[0].stamp)
         assert ghost.poses.shape == state.poses.shape == (2, 3)
         assert np.abs(ghost.poses - state.poses).max() > 1e-4
 

@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
-from fleet import inprocess
-from fleet.processes import Plan, programs
-from fleet.runs import Claim
-from fleet.supervisor import Supervisor
 from formation.errors import WireError
-from formation.scenario import load
-from network import keys
+from formation.scenario.files import load
+from network import topics
 from network.codec import decode
 from network.control import GetSummary, Start
 from network.messages import State
-from network.session import Sample, Session
-from tests.processes.conftest import echelon, wait_for
+from network.zenoh_bus import Sample, Session
+from runtime import inprocess
+from runtime.process_list import Plan, programs
+from runtime.run_registry import Claim
+from runtime.supervisor import Supervisor
+from tests.processes.live import echelon, wait_for
 
 pytestmark = [pytest.mark.processes, pytest.mark.usefixtures("runs")]
 
@@ -43,7 +43,9 @@ GARBAGE = int(os.environ.get("ECHELON_GARBAGE", "300"))
 """Payloads on each topic; tried with 10000 too, which takes some minutes."""
 
 
-def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None) -> dict[str, Any]:
+def simulate(
+    name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None
+) -> dict[str, Any]:
     """One flight as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
@@ -54,7 +56,7 @@ def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, 
         try:
             supervisor.start(found)
             with Session(claim.endpoint, "lockstep") as session:
-                session.subscribe(keys.state("lockstep"))
+                session.subscribe(topics.state("lockstep"))
                 wait_for(lambda: (r := session.ask(Start())) and r.ok)
                 if disturb is not None:
                     disturb(session)
@@ -80,9 +82,9 @@ def fly(name: str, settings: list[str], *, order: int = 0, disturb: Any = None, 
 
 @pytest.mark.parametrize("flight", [BURSTY, JITTERY, NOISY], ids=["bursty", "jittery", "noisy"])
 def test_processes_fly_what_one_process_flies_in_any_start_order(flight: tuple[str, list[str]]) -> None:
-    alone = inprocess.fly(load(*flight))
+    alone = inprocess.simulate(load(*flight))
     for order in (1, 2):
-        together = fly(*flight, order=order)
+        together = simulate(*flight, order=order)
         assert together["trajectory_sha256"] == alone["trajectory_sha256"]
         assert {link: f["lost"] for link, f in together["links"].items()} == {
             link: f["lost"] for link, f in alone["links"].items()
@@ -90,10 +92,10 @@ def test_processes_fly_what_one_process_flies_in_any_start_order(flight: tuple[s
 
 
 def test_a_loaded_machine_changes_nothing() -> None:
-    alone = inprocess.fly(load(*BURSTY))
+    alone = inprocess.simulate(load(*BURSTY))
     burners = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(3)]
     try:
-        assert fly(*BURSTY)["trajectory_sha256"] == alone["trajectory_sha256"]
+        assert simulate(*BURSTY)["trajectory_sha256"] == alone["trajectory_sha256"]
     finally:
         for burner in burners:
             burner.kill()
@@ -103,9 +105,9 @@ def test_a_loaded_machine_changes_nothing() -> None:
 def test_garbage_on_every_topic_is_counted_and_changes_nothing() -> None:
     name, settings = "triangle-circle", ["duration=10"]
     draws = random.Random(7)
-    topics = [keys.tick, keys.state]
-    robots = [keys.plan, keys.command, keys.status]
-    targets = [key("lockstep") for key in topics] + [key("lockstep", i) for key in robots for i in (1, 2, 3)]
+    words = [topics.tick, topics.state]
+    robots = [topics.plan, topics.command, topics.status]
+    targets = [key("lockstep") for key in words] + [key("lockstep", i) for key in robots for i in (1, 2, 3)]
 
     def litter(session: Session) -> None:
         import zenoh
@@ -115,11 +117,11 @@ def test_garbage_on_every_topic_is_counted_and_changes_nothing() -> None:
             for target in targets:
                 payload = draws.randbytes(draws.randrange(0, 700))
                 stranger.put(target, payload, congestion_control=zenoh.CongestionControl.BLOCK)
-            list(stranger.get(keys.control("lockstep"), payload=draws.randbytes(20), timeout=5.0))
+            list(stranger.get(topics.control("lockstep"), payload=draws.randbytes(20), timeout=5.0))
 
     expected = GARBAGE * 7  # commands and statuses of three robots, and control
-    together = fly(name, settings, disturb=litter, settle=lambda figures: figures["rejected"] == expected)
-    assert together["trajectory_sha256"] == inprocess.fly(load(name, settings))["trajectory_sha256"]
+    together = simulate(name, settings, disturb=litter, settle=lambda figures: figures["rejected"] == expected)
+    assert together["trajectory_sha256"] == inprocess.simulate(load(name, settings))["trajectory_sha256"]
 
 
 def test_the_command_prints_the_same_figures_with_either_engine(runs: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.processes.conftest import Up, echelon, processes, wait_for
+from tests.processes.live import Up, echelon, processes, wait_for
 
 pytestmark = pytest.mark.processes
 Start = Callable[..., Up]
@@ -74,7 +74,7 @@ def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
     os.kill(run.pid("router"), signal.SIGKILL)
     wait_for(lambda: "router is back" in texts(run))
     after = run.flying()
-    assert after["epoch"] == before["epoch"]
+    assert after["episode"] == before["episode"]
     assert "agent 1 lost" not in texts(run)
     wait_for(lambda: run.status()["stamp"] > after["stamp"] + 0.5)
     run.end()

@@ -1,0 +1,1 @@
+"""The controllers: what they are given, what they return, and each of them."""

@@ -1,0 +1,106 @@
+"""Controller `centralised`: one mind plans for all robots with perfect knowledge, the bound for `nash`.
+
+At every planning tick it sees the true poses of all robots and minimises the sum over the ring of the costs J_i that
+`nash` plays for, jointly, to convergence and within the limits. No plans of the same horizon cost less in that sum;
+a controller with other aims may still hold the pattern better and the path worse. For robots that cannot keep up it
+waits by the rule of agents/controllers/progress.py, with one lag for all. What its agents send each other is used by
+nobody. It exists within one process only (runtime/inprocess.py).
+"""
+
+import math
+
+import numpy as np
+
+from agents.controllers.interface import Observation, Solution
+from agents.controllers.nash import weights
+from agents.controllers.pair import Pair
+from agents.controllers.progress import Progress
+from agents.kernels.team_game import optimise, ring_weights
+from agents.kernels.unicycle import shift
+from formation.arrays import FloatArray
+from formation.scenario.scenario import Scenario
+
+STEPS = 50
+"""At most so many Gauss-Newton steps per plan; in formation one or two are enough."""
+TOLERANCE = 1e-6
+"""Largest change of an input at which a plan has converged [m/s, rad/s]."""
+
+
+class Team:
+    """The mind of all robots of one flight; the first who asks at a tick has it think, for everybody."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._pairs = [Pair(scenario, robot) for robot in range(1, scenario.size + 1)]
+        self._progress = [Progress(pair, scenario.spacing) for pair in self._pairs]
+        self._waits = scenario.controller.waits
+        q, r = weights(scenario)
+        self._q, self._r = np.array(q, dtype=float), np.array(r, dtype=float)
+        self._now: tuple[int, FloatArray] | None = None
+        self._plan: tuple[int, FloatArray, bool] | None = None
+
+    def see(self, k: int, poses: FloatArray) -> None:
+        """The true poses (n, 3) at tick k, before anybody plans."""
+        self._now = (k, np.array(poses, dtype=float))
+
+    def member(self, robot: int) -> "Member":
+        """The controller of one robot."""
+        return Member(self, robot)
+
+    @property
+    def lag(self) -> float:
+        """How far the formation's reference time is behind the clock [s]."""
+        return self._pairs[0].lag
+
+    def plan(self, k: int) -> tuple[FloatArray, bool]:
+        """Inputs (N, n, 2) of all from tick k on, and whether they could be found; solved once per tick."""
+        if self._plan is None or self._plan[0] != k:
+            if self._now is None or self._now[0] != k:
+                raise RuntimeError(f"expected to be shown the poses of tick {k} before planning")
+            self._plan = (k, *self._solve(k, self._now[1]))
+        return self._plan[1:]
+
+    def task(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
+        """Slots (N + 1, n, 3), their inputs (N, n, 2), weights (N + 1, 3n, 3n), R and Delta_T, for the kernels."""
+        ahead = [pair.ahead(k) for pair in self._pairs]
+        slots = np.stack([one.slots[:, 0] for one in ahead], axis=1)
+        targets = np.stack([one.inputs[:, 0] for one in ahead], axis=1)
+        costs = np.empty((len(slots), 3 * len(ahead), 3 * len(ahead)))
+        ring_weights(slots, self._q, costs)
+        return slots, targets, costs, self._r, self._pairs[0].interval
+
+    def _solve(self, k: int, poses: FloatArray) -> tuple[FloatArray, bool]:
+        if self._waits:
+            self._wait(k, poses)
+        task, limits, tick = self.task(k), self._pairs[0].limits, self._pairs[0].tick
+        targets, interval = task[1], task[4]
+        nominal = targets.copy()
+        if self._plan is not None:
+            made, last, _ = self._plan
+            for robot in range(len(poses)):
+                shift(last[:, robot], (k - made) * tick, interval, targets[:, robot], nominal[:, robot])
+        out = np.empty((len(targets), 2 * len(poses)))
+        change = optimise(poses.ravel(), nominal.reshape(out.shape), *task, limits, STEPS, TOLERANCE, out)
+        converged = math.isfinite(change)
+        inputs = out.reshape(nominal.shape) if converged else np.clip(np.nan_to_num(nominal), -limits, limits)
+        for robot, progress in enumerate(self._progress):
+            progress.planned(poses[robot], np.ascontiguousarray(inputs[:, robot]))
+        return inputs, converged
+
+    def _wait(self, k: int, poses: FloatArray) -> None:
+        """The lag of the robot that is furthest behind is everybody's."""
+        for progress, pose in zip(self._progress, poses, strict=True):
+            progress.update(k, pose, None)
+        lag, pace = max(pair.lag for pair in self._pairs), min(pair.pace for pair in self._pairs)
+        for pair in self._pairs:
+            pair.lag, pair.pace = lag, pace
+
+
+class Member:
+    """One robot's part of the team's plan."""
+
+    def __init__(self, team: Team, robot: int) -> None:
+        self._team, self._robot = team, robot
+
+    def plan(self, situation: Observation) -> Solution:
+        inputs, converged = self._team.plan(situation.k)
+        return Solution(np.ascontiguousarray(inputs[:, self._robot - 1]), converged, self._team.lag)

@@ -1,0 +1,58 @@
+"""Controller `consensus`: displacement-based formation control of hand points, fed forward along the reference.
+
+First-order consensus on the formation's errors over the directed ring (Ren and Beard 2008, Distributed Consensus in
+Multi-vehicle Cooperative Control; the displacement-based class of Oh, Park and Ahn 2015, A survey of multi-agent
+formation control), with hand points and terms to the goal and to the neighbour as Lawton, Beard and Young (2003), A
+decentralized approach to formation maneuvers. With z a point at distance L from the axle and r the same in the slot,
+
+    z' = r' - k_g (z - r) - k_f ((z - r) - (z_-i - r_-i)),    (v, L omega) = Rot(-theta) z'
+
+which a unicycle can follow exactly. The errors z - r then obey a linear consensus law, which converges on any graph
+that has a spanning tree. Before the first message the neighbour's term is left out.
+"""
+
+import numpy as np
+
+from agents.controllers.interface import Observation, Solution
+from agents.controllers.pair import Pair
+from agents.kernels.consensus import roll_law
+from formation.scenario.scenario import Scenario
+
+
+class Consensus:
+    """The controller of one robot."""
+
+    def __init__(self, scenario: Scenario, pair: Pair) -> None:
+        """Gains follow from what the robots can do.
+
+        The hand reaches half a spacing. Its slowest direction is sideways, omega_max L: each gain turns an error of
+        one spacing into that speed, and both together take away at most a quarter of an
+        error per Delta_T, so that sampling and the messages' age leave the law stable.
+        """
+        self._pair = pair
+        self._reach = scenario.spacing / 2.0
+        speed = min(float(pair.limits[0]), float(pair.limits[1]) * self._reach)
+        self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * pair.interval))
+
+    def plan(self, situation: Observation) -> Solution:
+        pair, upstream = self._pair, situation.upstream
+        slot, targets = pair.slot(situation.k, 0)
+        other_slot, other_targets = pair.slot(situation.k, 1)
+        known = upstream.plan is not None
+        out = np.empty((pair.horizon, 2))
+        roll_law(
+            situation.pose,
+            slot,
+            np.ascontiguousarray(targets),
+            upstream.pose,
+            other_slot,
+            np.ascontiguousarray(upstream.inputs),
+            np.ascontiguousarray(other_targets),
+            self._reach,
+            np.array([self._gain, self._gain if known else 0.0]),
+            pair.interval,
+            pair.limits,
+            out,
+        )
+        converged = bool(np.isfinite(out).all())  # a peer's plan may hold any finite number
+        return Solution(out if converged else np.zeros_like(out), converged)

@@ -1,0 +1,67 @@
+"""Controller `leader_follower`: the paper's baseline (section 4, after Chen et al. 2010), erratum 11 mended.
+
+`controller.misprints` brings erratum 11 back; `controller.errata` mends number 13, a term that the law lacks.
+
+Robot 1 leads; every other robot steers to its place beside the robot whose plan it receives.
+"""
+
+import math
+
+import numpy as np
+
+from agents.controllers.interface import Observation, Solution
+from agents.controllers.nash import Nash
+from agents.controllers.pair import Pair
+from formation.arrays import FloatArray
+from formation.pattern import rotate
+from formation.scenario.scenario import Scenario
+from formation.unicycle import wrap
+
+
+class Follower:
+    """A Lyapunov-based law: the leader's own velocity, corrected by the place's error in the follower's frame."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        self._pair = pair
+        self._gain_x, self._gain_theta = scenario.controller.gains
+        self._misprinted, self._mended = 11 in scenario.controller.misprints, 13 in scenario.controller.errata
+
+    def plan(self, situation: Observation) -> Solution:
+        leader, pose = situation.upstream, situation.pose
+        v_l, omega_l = (float(leader.inputs[0, 0]), float(leader.inputs[0, 1])) if leader.plan else (0.0, 0.0)
+        theta_l = float(leader.pose[2])
+        place = self._place(situation.k)
+        gap = leader.pose[:2] + rotate(np.array(theta_l), place) - pose[:2]
+        e_x, e_y = rotate(np.array(-pose[2]), gap)
+        if self._mended:  # the place turns with the leader: its own speed and heading, not the leader's
+            ahead, aside = v_l - omega_l * float(place[1]), omega_l * float(place[0])
+            v_l = math.copysign(math.hypot(ahead, aside), ahead)
+            theta_l += math.atan2(math.copysign(1.0, ahead) * aside, abs(ahead))
+        e_theta = wrap(theta_l - float(pose[2]))
+        if self._misprinted:  # sin(e_theta) / e_y: the factor e_y cancels
+            e_y = np.float64(e_theta)
+        ratio = math.sin(e_theta) / e_theta if abs(e_theta) > 1e-9 else 1.0
+        v = v_l * math.cos(e_theta) + self._gain_x * float(e_x)
+        omega = omega_l + self._gain_theta * e_theta + v_l * float(e_y) * ratio
+        converged = math.isfinite(v) and math.isfinite(omega)  # a peer's plan may hold any finite number
+        wished = np.array([v, omega]) if converged else np.zeros(2)
+        now = np.clip(wished, -self._pair.limits, self._pair.limits)
+        return Solution(np.tile(now, (self._pair.horizon, 1)), converged)
+
+    def _place(self, k: int) -> FloatArray:
+        """Where the robot belongs beside its leader, in the leader's frame (2,) [m]."""
+        own, other = self._pair.offsets(k)
+        place: FloatArray = own - other
+        return place
+
+
+class Leader:
+    """Robot 1: `nash` with a neighbour that is always in its slot, so that nobody holds the leader back."""
+
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for nobody: it hears of nobody
+
+    def plan(self, situation: Observation) -> Solution:
+        slot, tail = self._pair.slot(situation.k, 1)
+        alone = type(situation.upstream)(slot, tail, None)
+        return self._nash.plan(Observation(situation.k, situation.pose, alone))

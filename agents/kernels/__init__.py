@@ -1,0 +1,1 @@
+"""Compiled numerics; nothing here knows of messages or scenarios."""

@@ -1,0 +1,141 @@
+"""Compiled numerics of one unicycle: motion, its derivatives, and carrying a plan forward in time."""
+
+import math
+
+import numpy as np
+
+from agents.kernels.jit import (
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    STRIDED,
+    STRIDED_OUT,
+    TABLE,
+    TABLE_OUT,
+    VECTOR,
+    VECTOR_OUT,
+    kernel,
+    kernel_for,
+)
+from formation import unicycle
+from formation.arrays import FloatArray
+
+step = kernel(unicycle.step)
+wrap = kernel(unicycle.wrap)
+
+
+@kernel
+def clip(value: float, limit: float) -> float:
+    """Value held within +- limit."""
+    return min(max(value, -limit), limit)
+
+
+@kernel
+def derivatives(theta: float, v: float, omega: float, dt: float) -> tuple[float, float, float, float, float, float]:
+    """Derivatives of unicycle.step: of x and y by theta, by v, and by omega.
+
+    Returns:
+        (dx/dtheta, dy/dtheta, dx/dv, dy/dv, dx/domega, dy/domega). That of theta is 1, 0, dt.
+    """
+    half = 0.5 * omega * dt
+    if abs(half) < unicycle.SMALL_TURN:
+        ratio, slope = 1.0 - half * half / 6.0, -half / 3.0  # sin(h)/h and its derivative
+    else:
+        ratio = math.sin(half) / half
+        slope = (math.cos(half) - ratio) / half
+    c, s = math.cos(theta + half), math.sin(theta + half)
+    chord, bend = v * dt * ratio, 0.5 * v * dt * dt * slope
+    return (
+        -chord * s,
+        chord * c,
+        dt * ratio * c,
+        dt * ratio * s,
+        bend * c - 0.5 * dt * chord * s,
+        bend * s + 0.5 * dt * chord * c,
+    )
+
+
+@kernel_for(NOTHING, STRIDED, REAL, REAL, STRIDED, STRIDED_OUT)
+def shift(inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray, out: FloatArray) -> None:
+    """A plan's inputs on the grid that begins `elapsed` after the plan: out[j] is the mean over interval j.
+
+    Args:
+        inputs: (N, 2) held for `interval` each.
+        elapsed: time since the plan's stamp [s], not negative.
+        interval: Delta_T [s].
+        tail: (N, 2) inputs on the new grid for when the plan has ended.
+        out: (N, 2).
+    """
+    steps = len(inputs)
+    whole = int(elapsed / interval + 1e-9)
+    part = max(elapsed / interval - whole, 0.0)
+    for j in range(steps):
+        for c in range(2):
+            now = inputs[j + whole, c] if j + whole < steps else tail[j, c]
+            later = inputs[j + whole + 1, c] if j + whole + 1 < steps else tail[j, c]
+            out[j, c] = (1.0 - part) * now + part * later
+
+
+@kernel_for(NOTHING, TABLE, TABLE, REAL, REAL, REAL, TABLE_OUT, TABLE_OUT)
+def sample(
+    slots: FloatArray,
+    inputs: FloatArray,
+    row: float,
+    stride: float,
+    pace: float,
+    out_slots: FloatArray,
+    out_inputs: FloatArray,
+) -> None:
+    """The reference over a horizon, from tables by tick.
+
+    Args:
+        slots, inputs: tables (T, n, 3) and (T, n, 2).
+        row: where the horizon begins; between rows is interpolated.
+        stride: rows from one of its points to the next, at pace 1.
+        pace: how fast the reference is flown.
+        out_slots: (N + 1, n, 3).
+        out_inputs: (N, n, 2).
+    """
+    for j in range(len(out_slots)):
+        at = row + j * stride * pace
+        k = min(int(at + 1e-9), len(slots) - 2)
+        part = max(at - k, 0.0)
+        for i in range(slots.shape[1]):
+            if part < 1e-9:
+                out_slots[j, i] = slots[k, i]
+            else:
+                for c in range(2):
+                    out_slots[j, i, c] = (1.0 - part) * slots[k, i, c] + part * slots[k + 1, i, c]
+                out_slots[j, i, 2] = slots[k, i, 2] + part * wrap(slots[k + 1, i, 2] - slots[k, i, 2])
+            if j < len(out_inputs):
+                for c in range(2):
+                    mean = (
+                        inputs[k, i, c] if part < 1e-9 else (1.0 - part) * inputs[k, i, c] + part * inputs[k + 1, i, c]
+                    )
+                    out_inputs[j, i, c] = pace * mean
+
+
+@kernel_for(NOTHING, VECTOR, STRIDED, REAL, REAL, VECTOR_OUT)
+def age(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float, out: FloatArray) -> None:
+    """The pose (3,) that a plan predicts `elapsed` after its stamp, at most to the plan's end; into out (3,)."""
+    x, y, theta = pose[0], pose[1], pose[2]
+    left = elapsed
+    for j in range(len(inputs)):
+        if left <= 1e-12:
+            break
+        x, y, theta = step(x, y, theta, inputs[j, 0], inputs[j, 1], min(left, interval))
+        left -= interval
+    out[0], out[1], out[2] = x, y, theta
+
+
+@kernel_for(MATRIX_OUT, VECTOR, MATRIX, REAL)
+def roll_out(pose: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
+    """Poses (N + 1, 3) along inputs (N, 2), each held for `interval`."""
+    poses = np.empty((len(inputs) + 1, 3))
+    poses[0] = pose
+    for j in range(len(inputs)):
+        poses[j + 1, 0], poses[j + 1, 1], poses[j + 1, 2] = step(
+            poses[j, 0], poses[j, 1], poses[j, 2], inputs[j, 0], inputs[j, 1], interval
+        )
+    return poses

@@ -1,0 +1,179 @@
+"""The live plots, each described once.
+
+Their arrays are sent whole, so they hold no more points than the panel has pixels.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+import viser.uplot as up
+
+from dashboard.panels.controls import assign
+from dashboard.telemetry.ghost_track import FAR_BEHIND
+from dashboard.telemetry.links import LOST_SECONDS
+from dashboard.theme.formatting import plot_title
+from dashboard.theme.limits import DISTANCE_LIMIT, TRACKING_LIMIT
+from dashboard.theme.palette import DARK, LIGHT, Palette
+from formation.arrays import FloatArray
+
+SKY, VIOLET, PINK, CYAN, BLUE, MEAN, GHOST = "r1", "r2", "r3", "r4", "r6", "muted", "ghost"
+"""Names of colours that each look has its own of."""
+LIMIT, EVENT, INVISIBLE = "rgba(240,72,92,.55)", "rgba(247,184,62,.5)", "transparent"
+NEAR_LIMIT = 0.4
+"""The limit line is drawn once the values come near it; before, it would only flatten them."""
+HEIGHT = 84
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line of a plot."""
+
+    column: str
+    """Of the history."""
+    text: str
+    colour: str
+    """A name of dashboard.palette, or one of CSS."""
+    dash: tuple[float, float] | None = None
+
+    @property
+    def ghost(self) -> bool:
+        """Whether it is the ghost's, and there only while people compare."""
+        return self.column.startswith("ghost")
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """What one plot shows."""
+
+    name: str
+    unit: str
+    lines: tuple[Line, ...]
+    floor: float
+    """The axis reaches at least so far: noise at the micrometre is not news."""
+    limit: float | None = None
+    cap: float = float("inf")
+    """Larger values are shown as this one."""
+
+
+def _ghost(column: str) -> Line:
+    return Line(column, "ghost", GHOST, (4.0, 3.0))
+
+
+FIRST = (
+    Plot(
+        "Pattern distance error",
+        "mm",
+        (Line("distance_max", "max", SKY), Line("distance_mean", "mean", MEAN), _ghost("ghost_distance")),
+        floor=0.1,
+        limit=1e3 * DISTANCE_LIMIT,
+    ),
+    Plot(
+        "Age of the newest plan",
+        "ms, up to 3 s",
+        (Line("age_max", "max", CYAN), Line("age_mean", "mean", MEAN)),
+        floor=100.0,
+        limit=1e3 * LOST_SECONDS,
+        cap=3000.0,
+    ),
+)
+SECOND = (
+    Plot("Pattern angle error", "deg", (Line("angle", "max", VIOLET), _ghost("ghost_angle")), floor=0.1),
+    Plot(
+        "Tracking error",
+        "mm",
+        (Line("tracking", "centre to path", PINK), _ghost("ghost_tracking")),
+        floor=0.1,
+        limit=1e3 * TRACKING_LIMIT,
+    ),
+    Plot("Solve time", "ms per plan", (Line("solve_max", "max", BLUE), Line("solve_mean", "mean", MEAN)), floor=0.1),
+)
+
+_AXIS = up.Axis(
+    size=24,
+    font="11px sans-serif",
+    stroke="#8b94a5",
+    ticks={"show": False},
+    grid={"stroke": "rgba(128,140,160,.12)", "width": 1},
+)
+
+
+class Chart:
+    """One plot on the page."""
+
+    def __init__(self, gui: viser.GuiApi, plot: Plot) -> None:
+        """In the current tab."""
+        self._plot = plot
+        self._title: Any = gui.add_html("")
+        # Behind the plot's own lines: its limit, the least that its axis shows, and a spike where something happened.
+        extra = (Line("", "limit", LIMIT, (5.0, 5.0)), Line("", "floor", INVISIBLE), Line("", "event", EVENT))
+        lines = (*plot.lines, *extra)
+        # One plot for each look, of which one is shown: a plot that changes its colours would lose its time axis.
+        self._handles = {palette: self._add(gui, lines, palette) for palette in (DARK, LIGHT)}
+        self._handle = self._handles[DARK]
+
+    def _add(self, gui: viser.GuiApi, lines: tuple[Line, ...], palette: Palette) -> Any:
+        return gui.add_uplot(
+            tuple(np.zeros(2) for _ in range(len(lines) + 1)),
+            _series(lines, palette),
+            visible=palette is DARK,
+            height=HEIGHT,
+            scales={"x": up.Scale(time=False, auto=True), "y": up.Scale(range=(0, None))},
+            axes=(_AXIS, up.Axis(**{**_AXIS, "size": 46})),
+            legend=up.Legend(show=False),
+            cursor=up.Cursor(show=False),
+            padding=(8, 10, 0, 0),
+        )
+
+    def dress(self, palette: Palette) -> None:
+        """Draw in another look from now on."""
+        shown, self._handle = self._handle, self._handles[palette]
+        if self._handle is not shown:
+            self._handle.data = shown.data
+            shown.visible, self._handle.visible = False, True
+
+    def draw(self, series: dict[str, FloatArray], *, ghost: bool) -> None:
+        """Show the columns of the history.
+
+        Args:
+            series: columns by name.
+            ghost: whether people compare.
+        """
+        plot = self._plot
+        marks = tuple(
+            (f"var(--{line.colour})", line.text, line.dash is not None)
+            for line in plot.lines
+            if ghost or not line.ghost
+        )
+        assign(self._title, "content", plot_title(plot.name, plot.unit, marks))
+        values = [np.minimum(_held(series["t"], series[line.column]), plot.cap) for line in plot.lines]
+        top = max(np.nanmax(value, initial=plot.floor) for value in values)
+        near = plot.limit is not None and top > NEAR_LIMIT * plot.limit
+        hidden = -top  # below the plot; the renderer does not know gaps
+        limit = plot.limit if near and plot.limit is not None else hidden
+        values = [np.nan_to_num(value, nan=hidden) for value in values]
+        flat = [np.full_like(values[0], level) for level in (limit, plot.floor)]
+        self._handle.data = (series["t"], *values, *flat, np.where(series["event"] > 0.0, max(top, limit), hidden))
+
+
+def _series(lines: tuple[Line, ...], palette: Palette) -> tuple[up.Series, ...]:
+    """How uPlot draws the time and these lines."""
+    named, found = palette.named(), [up.Series(label="t")]
+    for line in lines:
+        colour = f"#{named[line.colour]}" if line.colour in named else line.colour
+        look = up.Series(label=line.text, stroke=colour, width=1.6 if line.column else 1.0, points={"show": False})
+        if line.dash is not None:
+            look["dash"] = line.dash
+        found.append(look)
+    return tuple(found)
+
+
+def _held(stamps: FloatArray, values: FloatArray) -> FloatArray:
+    """The values, going on at both ends while a ghost's word may be under way, so that its line has no cliff."""
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) in (0, len(values)):
+        return values
+    first, last = known[0], known[-1]
+    near = (stamps >= stamps[first] - FAR_BEHIND) & (stamps <= stamps[last] + FAR_BEHIND)
+    return np.where(near, np.interp(stamps, stamps[known], values[known]), values)

@@ -1,0 +1,75 @@
+"""The ghost in the scene: pale outlines of robots, a pale dotted pattern between them, pale dashed trails."""
+
+from typing import Any
+
+import numpy as np
+import viser
+
+from dashboard.scene import geometry, layers, nodes
+from dashboard.telemetry.ghost_track import GhostTrack
+from dashboard.telemetry.series import TRAIL_POINTS
+from dashboard.theme import colours
+from dashboard.theme.palette import Palette
+from formation.arrays import FloatArray
+
+PALE = 0.75
+"""Share of the ghost's colour in its outlines, the rest is the ground's."""
+
+
+class GhostLayer:
+    """The ghost's nodes, there from the scene's beginning and hidden while there is no ghost."""
+
+    def __init__(self, scene: viser.SceneApi, robots: int, sizes: layers.Sizes, palette: Palette) -> None:
+        """For so many robots."""
+        n, grey = robots, colours.rgb(palette.ghost)
+        length, width = sizes.body
+        self._sizes, self._shown = sizes, False
+        self._allowed = True
+        outline = geometry.teardrop_rim(length, width, 0.0035 * sizes.unit)
+        trail = layers.fading(np.tile(grey, (n, 1)), TRAIL_POINTS, 0.6, palette, towards_end=False)
+        self.nodes: dict[str, Any] = {
+            "/ghosts": nodes.meshes(scene, "/ghosts", outline, n),
+            "/ghost_edges": nodes.lines(
+                scene, "/ghost_edges", np.zeros((6 * n, 2, 3)), colours.mix(grey, 0.6, palette), 1.4
+            ),
+            "/ghost_trails": nodes.lines(
+                scene, "/ghost_trails", np.zeros((len(_every_other(trail, n)), 2, 3)), _every_other(trail, n), 1.6
+            ),
+        }
+        self.nodes["/ghosts"].batched_colors = colours.encode(np.tile(colours.mix(grey, PALE, palette), (n, 1)))
+        for node in self.nodes.values():
+            node.visible = False
+
+    def allow(self, allowed: bool) -> None:
+        """Whether people want to see it."""
+        self._allowed = allowed
+
+    def draw(self, track: GhostTrack, stamp: float, *, trails: bool) -> None:
+        """Bring it up to date; call within server.atomic().
+
+        Args:
+            track: what is known of the ghost.
+            stamp: at which the robots are drawn [s].
+            trails: whether the trails' turn has come.
+        """
+        poses = track.poses(stamp) if self._allowed else None
+        if (poses is not None) != self._shown:
+            self._shown = poses is not None
+            trails = True
+            for node in self.nodes.values():
+                node.visible = self._shown
+        if poses is None:
+            return
+        z = self._sizes.z
+        self.nodes["/ghosts"].batched_positions = geometry.lifted(poses[:, :2], z(8))
+        self.nodes["/ghosts"].batched_wxyzs = geometry.turns(poses[:, 2])
+        self.nodes["/ghost_edges"].points = layers.desired(poses, z(4))
+        if trails:
+            segments = geometry.segments(track.trail(poses), z(2))
+            self.nodes["/ghost_trails"].points = _every_other(segments, len(poses))
+
+
+def _every_other(segments: FloatArray, robots: int) -> FloatArray:
+    """Of polylines' segments (n T, 2, 3) every other one: dashes."""
+    per_robot = segments.reshape(robots, -1, 2, 3)[:, ::2]
+    return per_robot.reshape(-1, 2, 3)

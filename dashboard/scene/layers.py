@@ -1,0 +1,166 @@
+"""What the scene's layers hold, as arrays: pure functions of what is known.
+
+Every function gives arrays whose length depends on the scenario alone, so that points and colours always fit.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashboard.scene import geometry
+from dashboard.telemetry.links import LinkView
+from dashboard.theme import colours
+from dashboard.theme.limits import DISTANCE_LIMIT
+from dashboard.theme.palette import Palette
+from formation.arrays import FloatArray
+from formation.pattern import downstream
+from network.messages import Plan, Status
+
+DASHES = 8
+"""Segments of a link's shaft."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Sizes for robots that stand `spacing` apart; made for 0.1 m [m]."""
+
+    unit: float
+
+    @classmethod
+    def of(cls, spacing: float) -> "Sizes":
+        """Sizes for a formation, within reason."""
+        return cls(float(np.clip(spacing / 0.1, 0.4, 3.0)))
+
+    @property
+    def body(self) -> tuple[float, float]:
+        """Length and width."""
+        return 0.055 * self.unit, 0.036 * self.unit
+
+    def z(self, layer: int) -> float:
+        """Height of a layer above the ground."""
+        return 0.0006 * layer * self.unit
+
+
+def edges(poses: FloatArray, z: float) -> FloatArray:
+    """(n, 2, 3): from every robot to its upstream neighbour."""
+    points = poses[:, :2]
+    return geometry.lifted(np.stack([points, np.roll(points, 1, axis=0)], axis=1), z)
+
+
+def desired(slots: FloatArray, z: float) -> FloatArray:
+    """(6 n, 2, 3): dashes between neighbouring slots."""
+    a, b = slots[:, None, :2], np.roll(slots, 1, axis=0)[:, None, :2]
+    at = (np.arange(6)[None, :, None] + np.array([0.2, 0.7])[:, None, None]) / 6.0  # (2, 6, 1)
+    dashes = np.stack([a + (b - a) * at[0], a + (b - a) * at[1]], axis=2)
+    return geometry.lifted(dashes.reshape(-1, 2, 2), z)
+
+
+def edge_colours(distance_errors: FloatArray, palette: Palette) -> colours.Bytes:
+    """(n, 2, 3), encoded."""
+    colour = colours.encoded_health(np.abs(distance_errors) / DISTANCE_LIMIT, palette)
+    return np.repeat(colour[:, None], 2, axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Arrows:
+    """Shafts and heads of all links, in the order of their senders."""
+
+    shafts: FloatArray
+    """(n DASHES, 2, 3) [m]."""
+    tips: FloatArray
+    """(n, 3) [m]."""
+    directions: FloatArray
+    """(n,) [rad]."""
+
+
+def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
+    """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
+    start = poses[:, 0] + 1j * poses[:, 1]  # as complex numbers it takes half the time
+    gap = np.roll(start, -1) - start
+    length = np.maximum(np.abs(gap), 1e-6)
+    along = gap / length
+    clear, aside = along * np.minimum(0.027 * sizes.unit, 0.4 * length), along * (-0.011j * sizes.unit)
+    tip = start + gap - clear + aside
+    start = start + clear + aside
+    shaft = tip - along * np.minimum(0.011 * sizes.unit, 0.3 * length) - start
+    dashes = np.empty((len(poses), DASHES, 2))
+    dashes[..., 0] = np.arange(DASHES)
+    dashes[..., 1] = dashes[..., 0] + [[0.5 if link.lost else 1.0] for link in links]
+    shafts = start[:, None, None] + shaft[:, None, None] * (dashes / DASHES)
+    z = sizes.z(layer)
+    return Arrows(
+        shafts=geometry.lifted(shafts.view(float).reshape(-1, 2, 2), z),
+        tips=geometry.lifted(tip.view(float).reshape(-1, 2), z + 0.2 * sizes.z(1)),
+        directions=np.angle(along),
+    )
+
+
+def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
+    """Of the shafts (n DASHES, 2, 3) and of the heads (n, 3), encoded."""
+    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
+    return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
+
+
+def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float | None = None) -> FloatArray:
+    """(n, steps + 1, 2): where each plan leads; a robot without one stays where it is drawn [m].
+
+    Args:
+        plans: of each robot.
+        poses: (n, 3) where the robots are drawn [m, m, rad].
+        steps: inputs of a plan.
+        now: what is left of the plans at this time [s], from where the robots are; else from where they were made.
+    """
+    start, inputs, interval = poses.copy(), np.zeros((len(poses), steps, 2)), 0.1
+    for row, plan in enumerate(plans):
+        if plan is not None and len(plan.inputs) == steps:
+            interval = plan.interval
+            gone = 0 if now is None else min(steps, max(0, int((now - plan.stamp) / interval)))
+            inputs[row, : steps - gone] = plan.inputs[gone:]
+            if now is None:
+                start[row] = plan.pose
+    return geometry.roll_out(start, inputs, interval)
+
+
+def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
+    """The newest plan of every robot."""
+    numbers = range(1, robots + 1)
+    return [_of(i, statuses[i].plan if i in statuses else None, episode) for i in numbers]
+
+
+def held_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
+    """The plan of every robot that the one downstream of it still holds, in the order of the senders."""
+    receivers = [(i, downstream(i, robots)) for i in range(1, robots + 1)]
+    return [_of(i, statuses[other].held if other in statuses else None, episode) for i, other in receivers]
+
+
+def _of(robot: int, plan: Plan | None, episode: int) -> Plan | None:
+    """The plan, if it is this robot's and of this flight."""
+    return plan if plan is not None and (plan.sender, plan.episode) == (robot, episode) else None
+
+
+def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:
+    """(n (points - 1), 2, 3) sRGB for polylines that fade into the background."""
+    share = strength * (np.linspace(1.0, 0.3, points) if towards_end else np.linspace(0.05, 1.0, points))
+    per_point = colours.mix(colour[:, None], share[None, :, None], palette)
+    return np.stack([per_point[:, :-1], per_point[:, 1:]], axis=2).reshape(-1, 2, 3)
+
+
+def body_colours(robots: int, lost: set[int], palette: Palette) -> FloatArray:
+    """(n, 3) sRGB: the hue of each robot, pale for one without a mind."""
+    colour = colours.identities(robots, palette)
+    for robot in lost:
+        colour[robot - 1] = colours.mix(colour[robot - 1], 0.35, palette)
+    return colour
+
+
+def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None, palette: Palette) -> FloatArray:
+    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, bright around the chosen one."""
+    colour = np.tile(colours.rgb(palette.outline), (robots, 1))
+    if focus is not None and 1 <= focus <= robots:
+        colour[focus - 1] = colours.rgb(palette.chosen)
+    for robot in stopped:
+        colour[robot - 1] = colours.rgb(palette.warn)
+    for robot in lost:
+        colour[robot - 1] = colours.rgb(palette.bad)
+    return colour

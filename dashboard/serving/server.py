@@ -1,0 +1,76 @@
+"""A viser server that only those pages can use that are let in (dashboard/serving/access.py).
+
+viser itself listens everywhere, walks to another port if its own is taken, accepts web sockets from any web page that
+a person has open, and lets any client open a public tunnel. All four are closed here.
+"""
+
+import contextlib
+import io
+import os
+import socket
+from collections.abc import Iterator
+from typing import Any
+from unittest import mock
+
+import viser
+import websockets.asyncio.server
+from viser import _messages
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from dashboard.serving.access import Guard
+from formation.errors import EchelonError
+
+
+def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
+    """A server that listens on the guard's host and exactly this port (0: any free one).
+
+    Raises:
+        EchelonError: the port is taken or cannot be used.
+    """
+    bound = _bind(guard.host, port)
+    taken = int(bound.getsockname()[1])
+    original = websockets.asyncio.server.serve
+
+    def guarded(handler: Any, _host: object, _port: object, *, process_request: Any, **options: Any) -> Any:
+        def checked(connection: ServerConnection, request: Request) -> Response | None:
+            answer = guard.answer(request.path, request.headers, taken)
+            return answer if answer is not None else process_request(connection, request)
+
+        return original(handler, sock=bound, process_request=checked, **options)
+
+    with mock.patch.object(websockets.asyncio.server, "serve", guarded), quiet():
+        os.environ.pop("_VISER_PORT_OVERRIDE", None)
+        server = viser.ViserServer(host=guard.host, port=taken, label=label, verbose=False)
+    for kind in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+        server._websock_server.unregister_handler(kind)
+    return server
+
+
+def _bind(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bound.bind((host, port))
+        bound.listen(64)
+    except (OSError, OverflowError) as error:
+        bound.close()
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise EchelonError(
+            f"--port: expected a free port on {host}; got {port} ({reason}). Choose another, or 0 for any free one"
+        ) from None
+    return bound
+
+
+def stop(server: viser.ViserServer) -> None:
+    """Close the port and end viser's threads."""
+    with quiet():
+        server.stop()
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Swallow what viser prints about itself; standard output is for the address."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield

@@ -1,0 +1,91 @@
+"""What was, for trails and plots: simulated time only, started anew with every flight."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashboard.telemetry.ghost_track import GhostTrack
+from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.series import Series, Trail
+from formation.arrays import FloatArray
+from network.messages import State
+
+COLUMNS = (
+    "t",
+    "distance_max",
+    "distance_mean",
+    "angle",
+    "tracking",
+    "age_max",
+    "age_mean",
+    "solve_max",
+    "solve_mean",
+    "event",
+)
+
+
+class History:
+    """Trails of all robots, the series behind the plots, and the ghost beside them."""
+
+    def __init__(self) -> None:
+        self.episode = -1
+        self.ghost = GhostTrack()
+        self._trail = Trail(np.empty((0, 3)), 0.0)
+        self._series = Series(len(COLUMNS) - 1)
+        self._robots = 0
+        self._events = 0
+        self._marks: list[float] = []
+
+    def add(self, state: State, links: list[LinkView], solves: Sequence[float] = ()) -> None:
+        """Take the newest state in, with what plans cost the robots of late [s]."""
+        if state.episode != self.episode or len(state.poses) != self._robots:
+            self._begin(state)
+        self._trail.add(state.poses, state.stamp)
+        for event in state.events:
+            if event.number > self._events and event.kind != "run" and event.stamp > 0.0:
+                self._marks.append(event.stamp)
+        self._events = max([self._events, *(event.number for event in state.events)])
+        self._series.add(state.stamp, self._figures(state, links, solves))
+
+    def _begin(self, state: State) -> None:
+        self.episode, self._robots = state.episode, len(state.poses)
+        self._trail = Trail(state.poses, state.stamp)
+        self._series = Series(len(COLUMNS) - 1)
+        self._marks = []
+        self._events = max((event.number for event in state.events), default=0)
+
+    def _figures(self, state: State, links: list[LinkView], solves: Sequence[float]) -> FloatArray:
+        """One row of COLUMNS, without its stamp."""
+        ages = [link.age for link in links if link.age is not None] or [0.0]
+        distance = 1e3 * np.abs(state.distance_errors)
+        passed = [at for at in self._marks if at <= state.stamp]
+        self._marks = [at for at in self._marks if at > state.stamp]
+        return np.array(
+            [
+                distance.max(),
+                distance.mean(),
+                np.degrees(np.abs(state.angle_errors).max()),
+                1e3 * state.tracking_error,
+                1e3 * max(ages),
+                1e3 * sum(ages) / len(ages),
+                1e3 * max(solves, default=0.0),
+                1e3 * sum(solves) / max(1, len(solves)),
+                float(bool(passed)),
+            ]
+        )
+
+    def trails(self, poses: FloatArray) -> FloatArray:
+        """(n, TRAIL_POINTS, 2), oldest first, up to where the robots are drawn now [m]."""
+        return self._trail.up_to(poses)
+
+    def series(self) -> dict[str, FloatArray]:
+        """Columns by name, at least two points each; errors in mm and degrees, ages and solve times in ms.
+
+        The ghost's columns (dashboard/telemetry/ghost_track.py) are among them, NaN where there was none.
+        """
+        rows = self._series.rows
+        if len(rows) < 2:
+            rows = np.zeros((2, len(COLUMNS)))
+            rows[1, 0] = 1.0
+        found = {name: np.ascontiguousarray(rows[:, i]) for i, name in enumerate(COLUMNS)}
+        return {**found, **self.ghost.at(found["t"])}

@@ -1,0 +1,114 @@
+"""The last minutes of a flight, kept to be taken away: simulated time only, started anew with every flight."""
+
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashboard.telemetry.links import LinkView
+from formation.arrays import FloatArray
+from network.messages import Event, State, Status
+
+ROWS = 3000
+ROW_SECONDS = 0.1
+"""Between two rows, at least: five minutes in all at real time's pace, more where time flies."""
+KEPT_EVENTS = 500
+LOST, DEAD, HELD, CUT = 1, 2, 4, 8
+"""Bits of a robot's flags: the link from it lost or cut, its agent not there, it held by the watchdog."""
+_FLOATS = ("x", "y", "heading", "slot_x", "slot_y", "distance_error", "angle_error", "age", "solve")
+"""Of every robot [m, rad, s]; `age` is of the plan over the link from it, -1 if unknown."""
+
+Flags = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What was kept."""
+
+    scenario: str
+    controller: str
+    robots: int
+    t: FloatArray
+    """(rows,) simulated time [s]."""
+    tracking_error: FloatArray
+    """(rows,) [m]."""
+    values: Mapping[str, np.ndarray[tuple[int, ...], np.dtype[np.float32]]]
+    """(rows, n) each, by name."""
+    flags: Flags
+    """(rows, n)."""
+    events: tuple[Event, ...]
+
+
+class Recording:
+    """Keeps what the world says."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._key: tuple[int, int] = (-1, 0)
+        self._names = ("", "")
+        self._count = 0
+        self._times: FloatArray = np.zeros((ROWS, 2))
+        self._floats = np.zeros((ROWS, 0, len(_FLOATS)), dtype=np.float32)
+        self._flags: Flags = np.zeros((ROWS, 0), dtype=np.uint8)
+        self._events: deque[Event] = deque(maxlen=KEPT_EVENTS)
+        self._newest = 0
+
+    def add(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> None:
+        """Take the newest state in."""
+        with self._lock:
+            if self._key != (state.episode, len(state.poses)):
+                self._begin(state)
+            top = max((event.number for event in state.events), default=0)
+            if top < self._newest:  # another world counts anew
+                self._newest = 0
+            self._events.extend(event for event in state.events if event.number > self._newest)
+            self._newest = top
+            newest_row = self._times[(self._count - 1) % ROWS, 0] if self._count else -1.0
+            if state.stamp == newest_row:  # time stands still: what is known now is what counts
+                self._count -= 1
+            elif state.stamp < newest_row + ROW_SECONDS - 1e-6:
+                return
+            row = self._count % ROWS
+            self._count += 1
+            self._names = (state.scenario, state.controller)
+            self._times[row] = state.stamp, state.tracking_error
+            table = self._floats[row]
+            table[:, 0:3], table[:, 3:5] = state.poses, state.slots[:, :2]
+            table[:, 5], table[:, 6] = state.distance_errors, state.angle_errors
+            table[:, 7] = [-1.0 if link.age is None else link.age for link in links]
+            table[:, 8] = [statuses[i].solve if i in statuses else 0.0 for i in range(1, len(state.poses) + 1)]
+            self._flags[row] = [_flags(state, link) for link in links]
+
+    def _begin(self, state: State) -> None:
+        self._key = state.episode, len(state.poses)
+        self._count = 0
+        self._floats = np.zeros((ROWS, len(state.poses), len(_FLOATS)), dtype=np.float32)
+        self._flags = np.zeros((ROWS, len(state.poses)), dtype=np.uint8)
+        self._events.clear()
+
+    def record(self) -> Record | None:
+        """A copy of what was kept; None before there is anything."""
+        with self._lock:
+            if not self._count:
+                return None
+            rows = np.arange(max(0, self._count - ROWS), self._count) % ROWS
+            times, floats = self._times[rows], self._floats[rows]
+            scenario, controller = self._names
+            return Record(
+                scenario=scenario,
+                controller=controller,
+                robots=self._key[1],
+                t=times[:, 0],
+                tracking_error=times[:, 1],
+                values={name: np.ascontiguousarray(floats[:, :, i]) for i, name in enumerate(_FLOATS)},
+                flags=self._flags[rows],
+                events=tuple(event for event in self._events if event.stamp >= times[0, 0]),
+            )
+
+
+def _flags(state: State, link: LinkView) -> int:
+    """Of the robot that sends over this link."""
+    robot = link.sender
+    return LOST * link.lost + CUT * link.cut + DEAD * (robot not in state.live) + HELD * (robot in state.stopped)

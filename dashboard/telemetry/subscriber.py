@@ -1,0 +1,216 @@
+"""Everything that the world and the agents said, the newest of each: what the page is drawn from.
+
+One thread drains the inbox and only stores, so that a slow page never slows the run. Statuses, which are the most
+messages, wait outside Python until the page looks.
+"""
+
+import json
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+from queue import Empty
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from formation.arrays import FloatArray
+from formation.errors import EchelonError, WireError
+from formation.faults import Fault
+from formation.formation_spec import MAX_ROBOTS
+from formation.metrics import wrapped
+from formation.scenario.files import parse
+from formation.scenario.scenario import Scenario
+from network import topics
+from network.codec import decode
+from network.messages import Ghost, State, Status
+from network.throttled_log import ThrottledLog
+from network.zenoh_bus import Sample, Session
+
+SILENCE_SECONDS = 1.5
+"""The world says its state twenty times a second; silent for so long, it is gone."""
+WAITING_GHOSTS = 1000
+"""Ghosts that wait: one that catches up says 450 in a row."""
+WAITING_STATUSES = 2 * MAX_ROBOTS
+"""Statuses that wait for the page to look: of each robot only the newest counts."""
+LEARN_INTERVAL = 0.25
+"""Between two questions for what is flown [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What is known at one moment."""
+
+    state: State | None
+    """The newest; None before the first."""
+    scenario: Scenario | None
+    """What is flown; None until the world has said what fits `state`."""
+    statuses: Mapping[int, Status]
+    poses: FloatArray
+    """(n, 3) true poses, moved between the last two states so that motion is smooth [m, m, rad]."""
+    stamp: float
+    """Simulated time of these poses [s]."""
+    ghosts: tuple[Ghost, ...]
+    """What a ghost has said since the last look, oldest first."""
+    here: bool
+    """Whether the world is talking."""
+    connected: bool
+    """Whether there is a router."""
+
+
+class TelemetrySubscriber:
+    """Listens to a run: to what is meant for people, some hundred messages a second, however many plans there are."""
+
+    def __init__(self, session: Session) -> None:
+        """Subscribe; `start` then listens."""
+        self._session = session
+        self._lock = threading.Lock()
+        self._states: tuple[tuple[float, State], ...] = ()
+        self._statuses: dict[int, Status] = {}
+        self._ghosts: deque[Ghost] = deque(maxlen=WAITING_GHOSTS)
+        self._scenario: tuple[int, int, Scenario] | None = None
+        self._rejects = ThrottledLog()
+        self._asked_at = 0.0
+        self._over = False
+        self._thread = threading.Thread(target=self._listen, name="feed", daemon=True)
+        run = session.run
+        session.subscribe(topics.state(run))
+        self._waiting = session.keep(topics.status(run, "*"), WAITING_STATUSES)
+        session.subscribe(topics.ghost(run))
+        session.appear("dashboard")
+
+    def start(self) -> None:
+        """Listen from now on."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Listen no more."""
+        self._over = True
+        self._session.wake()
+        self._thread.join(1.0)
+
+    def seen(self) -> Seen:
+        """What is known now."""
+        now = monotonic()
+        for sample in islice(self._waiting.take(), WAITING_STATUSES):
+            self._take(sample)
+        with self._lock:
+            states, scenario = self._states, self._scenario
+        ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
+        poses, stamp = _between(states, now)
+        state = states[-1][1] if states else None
+        if state is not None:  # what a dead mind has said last is forgotten for good
+            self._statuses = {robot: said for robot, said in self._statuses.items() if robot in state.live}
+        fits = state is not None and scenario is not None and scenario[0] == state.episode
+        return Seen(
+            state=state,
+            scenario=scenario[2] if fits and scenario is not None else None,
+            statuses=dict(self._statuses),
+            poses=poses,
+            stamp=stamp,
+            ghosts=ghosts,
+            here=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
+            connected=self._session.connected,
+        )
+
+    # ------------------------------------------------------------------ what is flown
+
+    def learn(self) -> None:
+        """Ask what is flown if that has changed; called by the thread that may wait for answers."""
+        now = monotonic()
+        with self._lock:
+            state, known = self._states[-1][1] if self._states else None, self._scenario
+        if state is None or now - self._asked_at < LEARN_INTERVAL:
+            return
+        if known is not None and known[:2] == (state.episode, state.revision):
+            return
+        self._asked_at = now
+        try:
+            setup = self._session.setup()
+            if setup is None:
+                return
+            scenario = parse(json.loads(setup.scenario), where="the world's scenario")
+        except (EchelonError, ValueError) as error:
+            self._rejects.add("setup", error)
+            return
+        with self._lock:
+            self._scenario = (setup.episode, setup.revision, scenario)
+
+    # ------------------------------------------------------------------ what comes in
+
+    def _listen(self) -> None:
+        while not self._over:
+            try:
+                item = self._session.inbox.get(timeout=0.5)
+            except Empty:
+                continue
+            if isinstance(item, Sample):
+                self._take(item)
+
+    def _take(self, sample: Sample) -> None:
+        try:
+            self._put(sample)
+        except WireError as error:
+            self._rejects.add(sample.key, error)
+
+    def _put(self, sample: Sample) -> None:
+        if sample.key.endswith("/ghost"):
+            ghost = decode(Ghost, sample.payload)
+            if not len(ghost.distance_errors) == len(ghost.angle_errors) == len(ghost.poses):
+                raise WireError(f"expected errors of {len(ghost.poses)} robots")
+            self._ghosts.append(ghost)
+        elif sample.key.endswith("/status"):
+            status = decode(Status, sample.payload)
+            if status.sender != topics.robot_of(sample.key):
+                raise WireError(f"expected the sender named in the key; got {status.sender}")
+            self._statuses[status.sender] = status
+        else:
+            state = _checked(decode(State, sample.payload))
+            with self._lock:
+                self._states = (*self._states[-1:], (monotonic(), state))
+
+
+def _checked(state: State) -> State:
+    """The state with its faults as the fault model has them: numbers, even where a peer wrote "30%".
+
+    Raises:
+        WireError: arrays do not fit each other, a robot does not exist, or a fault makes no sense.
+    """
+    n = len(state.poses)
+    if n > MAX_ROBOTS:
+        raise WireError(f"poses: expected at most {MAX_ROBOTS}; got {n}")
+    if not len(state.slots) == len(state.distance_errors) == len(state.angle_errors) == n:
+        raise WireError(f"expected {n} slots and errors")
+    for name in ("waiting_for", "dismissed", "live", "stopped"):
+        for robot in getattr(state, name):
+            if not 1 <= robot <= n:
+                raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
+    return replace(state, faults={link: _fault(link, given) for link, given in state.faults.items()})
+
+
+def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    try:
+        return Fault.model_validate(given).plain()
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
+
+
+def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:
+    """Poses and stamp now: from the state before the last to the last, in the time that lay between them."""
+    if not states:
+        return np.empty((0, 3)), 0.0
+    at, last = states[-1]
+    if len(states) < 2:
+        return last.poses, last.stamp
+    before_at, before = states[0]
+    if before.episode != last.episode or before.poses.shape != last.poses.shape or at <= before_at:
+        return last.poses, last.stamp
+    share = min(1.0, (now - at) / (at - before_at))
+    moved = last.poses - before.poses
+    moved[:, 2] = wrapped(moved[:, 2])
+    return before.poses + share * moved, before.stamp + share * (last.stamp - before.stamp)

@@ -1,0 +1,1 @@
+"""How the page looks: colours, style sheet, and how numbers are written."""

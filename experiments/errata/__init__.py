@@ -1,0 +1,1 @@
+"""The paper's errata: the list, and the evidence for each."""

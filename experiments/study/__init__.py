@@ -1,0 +1,1 @@
+"""Studies: a grid of conditions, seeds, statistics with bands, bounds."""

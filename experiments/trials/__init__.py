@@ -1,0 +1,1 @@
+"""One trial: a scenario with overrides and a seed, simulated; and many of them on all cores."""

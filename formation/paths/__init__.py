@@ -1,0 +1,1 @@
+"""Reference paths of the formation's centre."""

@@ -1,0 +1,94 @@
+"""The same processes as containers: a compose file made of runtime/process_list.py."""
+
+import json
+from collections.abc import Sequence
+
+from formation.scenario.registry import check_live
+from formation.scenario.scenario import Scenario
+from runtime.process_list import Plan, Program, programs
+
+RUN = "echelon"
+ROUTER_PORT = 7447
+PAGE_PORT = 8090
+
+_HEAD = """\
+# Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
+# `docker compose up --build`, then open http://127.0.0.1:{port}. Only that port is published, on loopback.
+name: echelon
+
+x-service: &service
+  image: localhost/echelon
+  pull_policy: never
+  user: "10001:10001"
+  read_only: true
+  cap_drop: [ALL]
+  security_opt: ["no-new-privileges:true"]
+  tmpfs: ["/tmp:mode=1777"]
+  restart: unless-stopped
+  networks: [formation]
+
+networks:
+  formation: {{}}
+
+services:
+"""
+
+
+def plan(scenario: str, settings: Sequence[str]) -> Plan:
+    """How a run of containers is put together."""
+    return Plan(
+        run=RUN,
+        scenario=scenario,
+        connect=f"tcp/router:{ROUTER_PORT}",
+        listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
+        settings=settings,
+        endless=True,
+        ghost=True,
+        dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
+    )
+
+
+def compose_file(name: str, scenario: Scenario, settings: Sequence[str] = ()) -> str:
+    """The text of a compose file that flies the scenario.
+
+    Args:
+        name: of a shipped scenario: the image holds no others.
+        scenario: the same, loaded.
+        settings: key=value.
+
+    Raises:
+        ScenarioError: its controller cannot fly as processes.
+    """
+    check_live(scenario.controller.name)
+    words = " ".join([name, *(f"--set {setting}" for setting in settings)])
+    head = _HEAD.format(words=words, port=PAGE_PORT)
+    return head + "\n".join(_service(program) for program in programs(plan(name, settings), scenario))
+
+
+def _service(program: Program) -> str:
+    name = f"agent-{program.number}" if program.role == "agent" else program.role
+    check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
+    check += ["--role", program.role, "--id", str(program.number)]
+    lines = [
+        f"  {name}:",
+        "    <<: *service",
+        *(["    build: ."] if program.role == "router" else []),
+        f"    command: {json.dumps(['python', '-m', program.module, *program.arguments])}",
+        "    healthcheck:",
+        f"      test: {json.dumps(check)}",
+        "      interval: 30s",
+        "      timeout: 8s",
+        "      start_period: 20s",
+    ]
+    if program.role == "world":  # an order to stop is obeyed, a crash is not
+        lines += ["    restart: on-failure"]
+    if program.role != "router":
+        lines += ["    depends_on: [router]"]
+    if program.role == "dashboard":
+        lines += [
+            "    environment:",
+            '      ECHELON_IN_CONTAINER: "1"',
+            "    ports:",
+            f'      - "127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"',
+        ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,30 @@
+"""The ghost process of a run."""
+
+import argparse
+import logging
+import sys
+
+from formation.errors import EchelonError
+from network.lifetime import Lifetime
+from network.zenoh_bus import Session
+from runtime.ghost.process import GhostNode
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Follow the run until told to end."""
+    parser = argparse.ArgumentParser(prog="python -m runtime.ghost", description=__doc__)
+    parser.add_argument("--run", required=True, help="name of the run")
+    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(name)s ghost: %(message)s", stream=sys.stderr)
+    try:
+        with Session(options.connect, options.run) as session:
+            GhostNode(session, Lifetime()).run()
+    except EchelonError as error:
+        print(f"ghost: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""The fast engine: world and agents in one process, on a counted clock, through the same links."""
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+from agents.agent import Agent
+from agents.controllers.centralised import Team
+from formation.pattern import downstream
+from formation.scenario.scenario import Scenario
+from network.messages import Plan
+from world.trace import Trace
+from world.world import World
+
+PROGRESS_TICKS = 50
+
+
+class Simulation:
+    """A flight of the scenario, tick by tick."""
+
+    def __init__(self, scenario: Scenario, *, endless: bool = False) -> None:
+        """Everybody at the start.
+
+        Args:
+            scenario: what is flown.
+            endless: fly on past the duration, if the path is closed; then nothing is kept of what has happened.
+        """
+        self.world = World(scenario, endless=endless)
+        self._team = Team(scenario) if scenario.controller.name == "centralised" else None
+        self.agents = {robot: self._agent(robot) for robot in self.world.robots}
+        self.world.live = set(self.agents)
+        self._revision = -1
+        self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
+
+    def _agent(self, robot: int) -> Agent:
+        world = self.world
+        member = self._team.member(robot) if self._team else None
+        return Agent(world.scenario, robot, episode=world.episode, controller=member)
+
+    @property
+    def trace(self) -> Trace:
+        """What has happened so far."""
+        assert self.world.trace is not None  # only an endless world keeps none
+        return self.world.trace
+
+    @property
+    def finished(self) -> bool:
+        """Whether the scenario's duration is over."""
+        return self.world.finished
+
+    def step(self) -> None:
+        """One tick: everybody hears, decides, moves."""
+        world, agents = self.world, self.agents
+        tick = world.tick()
+        if tick.revision != self._revision:
+            self._revision = tick.revision
+            for agent in agents.values():
+                agent.set_faults(world.faults.table)
+        for plan in self._plans:
+            agents[downstream(plan.sender, len(agents))].receive(plan)
+        if self._team:
+            self._team.see(tick.seq, world.plant.poses)
+        answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
+        if tick.last:
+            for agent in agents.values():
+                world.hear(agent.status(tick.seq, tick.stamp))
+        self._plans = [answer.plan for answer in answers.values() if answer.plan is not None]
+        world.advance({robot: answer.command for robot, answer in answers.items()})
+
+    def simulate(self, progress: Callable[[float], None] | None = None) -> Trace:
+        """On to the end; `progress` is called now and then with the simulated time [s]."""
+        while not self.finished:
+            self.step()
+            if progress and self.world.k % PROGRESS_TICKS == 0:
+                progress(self.world.now)
+        return self.trace
+
+
+def simulate(
+    scenario: Scenario, *, progress: Callable[[float], None] | None = None, warmup: float = 0.0
+) -> dict[str, Any]:
+    """Fly the scenario to its end and return the summary (world/trace.py).
+
+    Args:
+        scenario: what is flown.
+        progress: called now and then with the simulated time [s].
+        warmup: measures start at this simulated time [s].
+    """
+    began = perf_counter()
+    flight = Simulation(scenario)
+    flight.simulate(progress)
+    summary = flight.world.summary(warmup=warmup)
+    return {**summary, "engine": "inprocess", "wall_s": perf_counter() - began}

@@ -1,0 +1,140 @@
+"""A run as supervised processes: up with its processes, along with the world, down without a trace."""
+
+import contextlib
+import signal
+from collections.abc import Callable
+from queue import Empty
+from types import TracebackType
+from typing import Any, Self
+
+from dashboard.serving.access import Guard
+from formation.errors import EchelonError, WireError
+from formation.formation_spec import MAX_ROBOTS
+from formation.scenario.registry import check_live
+from formation.scenario.scenario import Scenario
+from network import topics
+from network.codec import decode
+from network.control import GetSummary
+from network.messages import State
+from network.zenoh_bus import Sample, Session
+from runtime.precompile import ensure_compiled
+from runtime.process_list import Plan, agent, programs
+from runtime.run_registry import Claim
+from runtime.supervisor import Supervisor
+
+WATCH_SECONDS = 0.05
+
+
+_ENDINGS = (signal.SIGINT, signal.SIGTERM)
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+class LiveRun:
+    """Processes of one run. Use as a context manager: leaving it ends them all."""
+
+    def __init__(
+        self,
+        name: str,
+        scenario: Scenario,
+        source: str,
+        settings: list[str],
+        *,
+        tell: Callable[[str], None],
+        **options: Any,
+    ) -> None:
+        """Claim the name; nothing is started yet.
+
+        Args:
+            name: of the run.
+            scenario: what is flown, already checked.
+            source, settings: name or file, and key=value, from which the world makes the same scenario.
+            tell: told a line when something happens that people should know.
+            options: of runtime.process_list.Plan.
+
+        Raises:
+            EchelonError: the name is in use, or the controller cannot fly as processes.
+        """
+        check_live(scenario.controller.name)
+        self._scenario, self._tell = scenario, tell
+        page = options.get("dashboard")
+        address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
+        self._claim = Claim(name, page=address)
+        self._plan = Plan(
+            name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
+        )
+        self._supervisor = Supervisor(name, tell)
+        self._handlers: dict[signal.Signals, Any] = {}
+        self._session: Session | None = None
+        self._state: State | None = None
+
+    def __enter__(self) -> Self:
+        # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
+        self._handlers = {number: signal.signal(number, _interrupt) for number in _ENDINGS}
+        try:
+            ensure_compiled(self._tell)
+            self._supervisor.start(programs(self._plan, self._scenario))
+            self._session = Session(self._plan.connect, self._plan.run)
+            self._session.subscribe(topics.state(self._plan.run))
+            self._session.appear("launcher")
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for number in _ENDINGS:  # a second Ctrl-C must not interrupt the tidying up
+            signal.signal(number, signal.SIG_IGN)
+        if self._session is not None:  # before its router goes: closing a dead link takes long
+            self._session.close()
+        self._supervisor.stop()
+        self._claim.__exit__()
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+
+    @property
+    def state(self) -> State | None:
+        """The newest state that the world has said."""
+        return self._state
+
+    def watch(self) -> bool:
+        """Look after the run for a moment. Returns False once the world was told to stop.
+
+        Raises:
+            EchelonError: the world could not begin, or a process cannot be kept alive.
+        """
+        code = self._supervisor.watch(WATCH_SECONDS)
+        if code is not None:
+            if code:
+                raise EchelonError(f"the world ended with exit code {code}")
+            return False
+        self._listen()
+        if self._state is not None:
+            self._supervisor.keep_down(self._state.dismissed)
+            absent = set(self._state.waiting_for) - set(self._state.dismissed)
+            missing = absent & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
+            self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
+        return True
+
+    def _listen(self) -> None:
+        assert self._session is not None
+        while True:
+            try:
+                item = self._session.inbox.get_nowait()
+            except Empty:
+                return
+            if isinstance(item, Sample):
+                with contextlib.suppress(WireError):  # garbage; who it concerns counts it
+                    self._state = decode(State, item.payload)
+
+    def summary(self, warmup: float) -> dict[str, Any]:
+        """The figures of the flight. Raises EchelonError if the world does not say."""
+        assert self._session is not None
+        reply = self._session.ask(GetSummary(warmup=warmup), timeout=10.0)
+        if reply is None or not reply.ok:
+            raise EchelonError(f"expected the figures of the flight; got {reply.reason if reply else 'no answer'}")
+        return reply.value

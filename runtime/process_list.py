@@ -1,0 +1,77 @@
+"""The processes of a run, all in one list: what `echelon up` starts and what compose.yaml holds."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from formation.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """One process: a module of ours with a main(arguments)."""
+
+    role: str
+    number: int
+    """Of an agent its robot's, else 0."""
+    module: str
+    arguments: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """As people call it: "world", "agent 2"."""
+        return f"{self.role} {self.number}" if self.role == "agent" else self.role
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How a run is put together."""
+
+    run: str
+    """Name of the run."""
+    scenario: str
+    """Name or file."""
+    connect: str
+    """The router's endpoint, as seen by the others."""
+    listen: str
+    """The router's endpoint, as it sees it itself."""
+    settings: Sequence[str] = ()
+    realtime: bool = False
+    speed: float = 1.0
+    endless: bool = False
+    paused: bool = False
+    folder: str | None = None
+    """The run's private folder, which the router removes if nobody else can."""
+    dashboard: tuple[str, int] | None = None
+    """Host and port to serve the page on; None for a run without one."""
+    ghost: bool = False
+    """Whether people may have another controller fly beside this one."""
+    token: str | None = None
+    """That browsers must bring; None on loopback."""
+
+
+def programs(plan: Plan, scenario: Scenario) -> list[Program]:
+    """Every process of the run, in the order in which they are best started."""
+    common = ("--run", plan.run, "--connect", plan.connect)
+    world = [*common, "--scenario", plan.scenario, "--speed", f"{plan.speed:g}"]
+    for setting in plan.settings:
+        world += ["--set", setting]
+    world += [flag for flag, on in _flags(plan) if on]
+    router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder else ())]
+    found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]
+    found += [agent(plan, number) for number in range(1, scenario.size + 1)]
+    if plan.ghost:
+        found.append(Program("ghost", 0, "runtime.ghost", common))
+    if plan.dashboard is not None:
+        host, port = plan.dashboard
+        where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
+        found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
+    return found
+
+
+def agent(plan: Plan, number: int) -> Program:
+    """The agent of one robot."""
+    return Program("agent", number, "agents", ("--run", plan.run, "--connect", plan.connect, "--id", str(number)))
+
+
+def _flags(plan: Plan) -> list[tuple[str, bool]]:
+    return [("--realtime", plan.realtime), ("--endless", plan.endless), ("--paused", plan.paused)]

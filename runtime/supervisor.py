@@ -1,0 +1,137 @@
+"""Starts the processes of a run, brings back those that die, and leaves none behind."""
+
+import importlib
+import multiprocessing
+import os
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable
+from multiprocessing.connection import wait
+from multiprocessing.process import BaseProcess
+from time import monotonic
+
+from setproctitle import setproctitle
+
+from formation.errors import EchelonError
+from runtime.process_list import Program
+
+STOP_SECONDS = 3.0
+"""From asking a process to end to ending it."""
+RESTART_SECONDS = 0.2
+"""A process that died is started again so much later."""
+MAX_DEATHS, DEATH_WINDOW = 5, 10.0
+"""A process that dies more often within the window [s] is given up, and the run with it."""
+_ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
+ENVIRONMENT = {
+    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"),
+    "SPT_NOENV": "1",
+    "ZENOH_RUNTIME": "(" + ", ".join(f"{stage}: (worker_threads: 1)" for stage in _ZENOH_STAGES) + ")",
+}
+"""For the processes of a run: small matrices gain nothing from threads, and threads do not survive a fork; and a
+process with two or three links is served faster by one thread per stage of Zenoh than by several; and titles leave the
+environment readable from outside."""
+
+
+class Supervisor:
+    """The processes of one run."""
+
+    def __init__(self, run: str, tell: Callable[[str], None]) -> None:
+        """No process yet.
+
+        Args:
+            run: its name, for the processes' titles.
+            tell: told a line when a process dies and comes back.
+        """
+        for variable, value in ENVIRONMENT.items():
+            os.environ.setdefault(variable, value)
+        self._run, self._tell = run, tell
+        self._context = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload(["runtime.preload"])
+        self._running: dict[Program, BaseProcess] = {}
+        self._again: dict[Program, float] = {}
+        self._deaths: dict[Program, deque[float]] = {}
+
+    @property
+    def numbers(self) -> set[int]:
+        """Robots that have an agent, or will have one again."""
+        return {program.number for program in (*self._running, *self._again) if program.role == "agent"}
+
+    def start(self, programs: Iterable[Program]) -> None:
+        """Start processes."""
+        for program in programs:
+            process = self._context.Process(
+                target=_enter, args=(program.module, program.arguments, f"echelon {self._run}: {program.name}")
+            )
+            process.start()
+            self._running[program] = process
+
+    def keep_down(self, numbers: Iterable[int]) -> None:
+        """Kill the agents of these robots, and do not bring them back; `start` does."""
+        down = set(numbers)
+        for program in [program for program in self._again if program.role == "agent" and program.number in down]:
+            del self._again[program]
+        for program in [program for program in self._running if program.role == "agent" and program.number in down]:
+            process = self._running.pop(program)
+            process.kill()
+            process.join(STOP_SECONDS)
+            self._tell(f"{program.name} killed, as asked")
+
+    def watch(self, seconds: float) -> int | None:
+        """Look after the processes for some time. Returns the world's exit code once it has ended by itself.
+
+        Raises:
+            EchelonError: a process died again and again.
+        """
+        until = monotonic() + seconds
+        while True:
+            now = monotonic()
+            due = [program for program, at in self._again.items() if at <= now]
+            for program in due:
+                del self._again[program]
+            self.start(due)
+            pause = max(0.0, min([until - now, *(at - now for at in self._again.values())]))
+            wait([process.sentinel for process in self._running.values()], timeout=pause)
+            for program, process in list(self._running.items()):
+                if process.exitcode is not None:
+                    del self._running[program]
+                    if program.role == "world" and process.exitcode >= 0:
+                        return process.exitcode
+                    self._bury(program, process.exitcode)
+            if monotonic() >= until:
+                return None
+
+    def _bury(self, program: Program, code: int) -> None:
+        now = monotonic()
+        deaths = self._deaths.setdefault(program, deque(maxlen=MAX_DEATHS))
+        if len(deaths) == MAX_DEATHS and now - deaths[0] < DEATH_WINDOW:
+            raise EchelonError(f"{program.name} ended {MAX_DEATHS + 1} times in {DEATH_WINDOW:g} s: giving up")
+        deaths.append(now)
+        self._again[program] = now + RESTART_SECONDS
+        self._tell(f"{program.name} ended ({_cause(code)}): starting it again")
+
+    def stop(self) -> None:
+        """End every process: those that hear first, the router last, whoever does not listen by force."""
+        self._again.clear()
+        last = [program for program in self._running if program.role == "router"]
+        first = [program for program in self._running if program.role != "router"]
+        for group in (first, last):
+            for program in group:
+                self._running[program].terminate()
+            until = monotonic() + STOP_SECONDS
+            for program in group:
+                process = self._running[program]
+                process.join(max(0.0, until - monotonic()))
+                if process.exitcode is None:
+                    process.kill()
+                    process.join(1.0)
+        self._running.clear()
+
+
+def _cause(code: int) -> str:
+    return f"signal {-code}" if code < 0 else f"exit code {code}"
+
+
+def _enter(module: str, arguments: tuple[str, ...], title: str) -> None:
+    """The life of one process, in a child of the fork server."""
+    setproctitle(title)
+    sys.exit(importlib.import_module(f"{module}.__main__").main(list(arguments)))

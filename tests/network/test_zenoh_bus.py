@@ -1,0 +1,60 @@
+"""Laws of a session: what is kept waits for whoever looks, the newest so many, in order."""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from network import topics
+from network.codec import decode
+from network.messages import Command
+from network.zenoh_bus import Kept, Router, Sample, Session
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> Iterator[tuple[Session, Session]]:
+    """Two clients of one router."""
+    endpoint = f"unixsock-stream/{tmp_path}/r"
+    router = Router(endpoint)
+    with Session(endpoint, "x") as one, Session(endpoint, "x") as other:
+        yield one, other
+    router.close()
+
+
+def say(session: Session, numbers: range) -> None:
+    for seq in numbers:
+        session.publish(topics.command("x", 1), Command(1, seq, 0.0, 0, 0.0, 0.0, 0.0, False, 0.0))
+
+
+def heard(kept: Kept, least: int) -> list[Sample]:
+    """What has come in once there is so much of it."""
+    found: list[Sample] = []
+    end = time.monotonic() + 20.0
+    while len(found) < least and time.monotonic() < end:
+        found += kept.take()
+        time.sleep(0.01)
+    return found
+
+
+def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple[Session, Session]) -> None:
+    sender, listener = pair
+    kept = listener.keep(topics.command("x", "*"), 100)
+    sender.announce(topics.command("x", 1), reliable=True)
+    time.sleep(0.2)
+    say(sender, range(20))
+    found = heard(kept, 20)
+    assert [decode(Command, sample.payload).seq for sample in found] == list(range(20))
+    assert {sample.key for sample in found} == {topics.command("x", 1)}
+    assert list(kept.take()) == []
+    assert listener.inbox.empty()
+
+
+def test_of_what_nobody_looked_at_in_time_the_newest_is_left(pair: tuple[Session, Session]) -> None:
+    sender, listener = pair
+    kept, all_of_it = listener.keep(topics.command("x", 1), 3), listener.keep(topics.command("x", 1), 1000)
+    sender.announce(topics.command("x", 1), reliable=True)
+    time.sleep(0.2)
+    say(sender, range(50))
+    every = heard(all_of_it, 50)
+    assert list(kept.take()) == every[-3:]

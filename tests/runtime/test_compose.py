@@ -1,0 +1,191 @@
+"""Laws of compose.yaml: it is what the generator gives, holds the launcher's own processes, and opens nothing more."""
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from formation.scenario.files import load, shipped
+from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
+from runtime.process_list import Plan, Program, programs
+
+ROOT = Path(__file__).parents[2]
+SCENARIO = "triangle-circle"
+LINE = re.compile(r"( *)([\w.-]+):(?: &\w+)?(?: (.*))?")
+ITEM = re.compile(r" +- (\S.*)")
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """The little of YAML that our compose files use: nested keys, JSON or bare values, lists, and one anchor."""
+    root: dict[str, Any] = {}
+    open_maps: list[tuple[int, dict[str, Any]]] = [(-1, root)]
+    shared: dict[str, Any] = {}
+    holder, key = root, ""
+    for line in text.splitlines():
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        if line.strip() == "<<: *service":
+            open_maps[-1][1].update(shared)
+        elif item := ITEM.fullmatch(line):
+            if not isinstance(holder[key], list):
+                holder[key] = []
+                open_maps.pop()
+            holder[key].append(value_of(item[1]))
+        else:
+            match = LINE.fullmatch(line)
+            assert match is not None, line
+            indent, key, text_value = len(match[1]), match[2], match[3]
+            while open_maps[-1][0] >= indent:
+                open_maps.pop()
+            holder = open_maps[-1][1]
+            assert key not in holder or holder[key] == shared.get(key), f"twice: {line}"
+            if text_value is None:
+                holder[key] = {}
+                open_maps.append((indent, holder[key]))
+                if "&service" in line:
+                    shared = holder[key]
+            else:
+                holder[key] = value_of(text_value)
+    return root
+
+
+def value_of(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text[1:-1].split(", ") if text.startswith("[") else text
+
+
+def services(scenario: str = SCENARIO, settings: Sequence[str] = ()) -> dict[str, Any]:
+    found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, settings), settings))["services"]
+    return found
+
+
+def service_name(program: Program) -> str:
+    return program.name.replace(" ", "-")
+
+
+def without(arguments: Sequence[str], *flags: str) -> list[str]:
+    """The arguments without these flags and their values."""
+    left = list(arguments)
+    for flag in flags:
+        if flag in left:
+            at = left.index(flag)
+            del left[at : at + 2]
+    return left
+
+
+def test_the_parser_reads_what_is_there() -> None:
+    text = """\
+x: &service
+  a: [B]
+  n: [f]
+
+services:
+  one:
+    <<: *service
+    c: ["p", "1"]
+    h:
+      t: 5s
+    p:
+      - "q"
+      - "r"
+    e: no
+"""
+    assert parsed(text)["services"] == {
+        "one": {"a": ["B"], "n": ["f"], "c": ["p", "1"], "h": {"t": "5s"}, "p": ["q", "r"], "e": "no"}
+    }
+
+
+def test_the_file_is_what_the_generator_gives() -> None:
+    assert (ROOT / "compose.yaml").read_text() == compose_file(SCENARIO, load(SCENARIO))
+
+
+@pytest.mark.parametrize("scenario", shipped())
+def test_one_service_per_program(scenario: str) -> None:
+    expected = {
+        service_name(program): ["python", "-m", program.module, *program.arguments]
+        for program in programs(plan(scenario, ()), load(scenario))
+    }
+    assert {name: service["command"] for name, service in services(scenario).items()} == expected
+
+
+def test_settings_reach_the_world_and_the_number_of_robots() -> None:
+    settings = ["formation.robots=5", 'controller.name="paper"']
+    found = services("ring-16", settings)
+    assert [name for name in found if name.startswith("agent-")] == [f"agent-{i}" for i in (1, 2, 3, 4, 5)]
+    command = found["world"]["command"]
+    assert [command[i + 1] for i, word in enumerate(command) if word == "--set"] == settings
+
+
+def test_the_same_processes_as_the_launcher_starts() -> None:
+    """Only where they meet differs: endpoint, the run's folder, the page's host."""
+    socket, page = "unixsock-stream/S", ("127.0.0.1", PAGE_PORT)
+    here = Plan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page, ghost=True)
+    places = ("--connect", "--listen", "--folder", "--host")
+    launched = {
+        service_name(program): ["python", "-m", program.module, *without(program.arguments, *places)]
+        for program in programs(here, load(SCENARIO))
+    }
+    assert {name: without(service["command"], *places) for name, service in services().items()} == launched
+
+
+def test_everybody_meets_at_the_router() -> None:
+    for name, service in services().items():
+        flag = "--listen" if name == "router" else "--connect"
+        where = service["command"][service["command"].index(flag) + 1]
+        assert where == f"tcp/{'0.0.0.0' if name == 'router' else 'router'}:{ROUTER_PORT}"
+        assert service.get("depends_on") == (None if name == "router" else ["router"])
+
+
+def test_only_the_page_is_published_and_only_on_loopback() -> None:
+    found = services()
+    assert {name: service["ports"] for name, service in found.items() if "ports" in service} == {
+        "dashboard": [f"127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"]
+    }
+    assert [name for name, service in found.items() if "environment" in service] == ["dashboard"]
+    assert all(service["networks"] == ["formation"] for service in found.values())
+    doors = {"network_mode", "expose", "volumes", "privileged", "cap_add", "devices", "pid", "ipc"}
+    assert not any(doors & set(service) for service in found.values())
+
+
+def test_no_service_can_do_more_than_it_must() -> None:
+    for name, service in services().items():
+        assert service["user"] == "10001:10001"
+        assert service["read_only"] is True
+        assert service["cap_drop"] == ["ALL"]
+        assert service["security_opt"] == ["no-new-privileges:true"]
+        assert service["tmpfs"] == ["/tmp:mode=1777"]
+        # `echelon control stop` ends the world for good
+        assert service["restart"] == ("on-failure" if name == "world" else "unless-stopped")
+
+
+def test_every_service_is_checked_as_what_it_is() -> None:
+    for program in programs(plan(SCENARIO, ()), load(SCENARIO)):
+        check = services()[service_name(program)]["healthcheck"]
+        where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
+        who = ["--role", program.role, "--id", str(program.number)]
+        assert check["test"] == ["CMD", "python", "-m", "network.health", *where, *who]
+
+
+def test_one_service_builds_the_image_that_all_use() -> None:
+    found = services()
+    assert {name: service["build"] for name, service in found.items() if "build" in service} == {"router": "."}
+    assert {service["image"] for service in found.values()} == {"localhost/echelon"}
+    assert {service["pull_policy"] for service in found.values()} == {"never"}
+
+
+def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() -> None:
+    """A kernel's cache goes by its source's path: compiled from the copied folders, no container would find it."""
+    lines = (ROOT / "Dockerfile").read_text().splitlines()
+    copied = {line.split()[1] for line in lines if re.fullmatch(r"COPY (\S+) \1", line)}
+    packages = re.search(r"^packages = (\[.*\])$", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    assert packages is not None
+    assert copied == set(json.loads(packages[1]))
+    compiling = next(i for i, line in enumerate(lines) if "ensure_compiled" in line)
+    folder = [line for line in lines[:compiling] if line.startswith("WORKDIR ")][-1]
+    assert folder == "WORKDIR /tmp"
+    assert lines[-1] == "USER 10001:10001"

@@ -1,0 +1,1 @@
+"""The bodies of the robots: how they move and what localisation measures."""

@@ -1,0 +1,128 @@
+"""Which agents are there: they come, die, hang, and come back, and so does the router between them and the world."""
+
+from time import monotonic
+
+from formation.errors import EchelonError
+from network.zenoh_bus import Session
+from world.world import World
+
+SUSPECT_SECONDS = 0.05
+"""From an agent's disappearance to the verdict: if the router died, all disappear within some milliseconds."""
+RETURN_SECONDS = 3.0
+"""How long agents are waited for after the router came back."""
+
+
+class AgentPresence:
+    """Keeps the world's `live` agents in step with their presence on the network."""
+
+    def __init__(self, session: Session, world: World) -> None:
+        self._session, self._world = session, world
+        self._present: set[int] = set()
+        self._suspects: dict[int, float] = {}
+        self._router_lost: float | None = None
+        self._dismissed: set[int] = set()
+        self._returning: set[int] = set()
+        self.launcher = False
+        """Whether somebody is there who ends and starts agents."""
+
+    @property
+    def dismissed(self) -> list[int]:
+        """Robots whose agents the launcher is to keep down."""
+        return sorted(self._dismissed & set(self._world.robots))
+
+    def dismiss(self, robot: int, *, for_good: bool) -> None:
+        """Have the launcher end an agent.
+
+        Args:
+            robot: whose agent.
+            for_good: whether it stays down until `readmit`; else it may come back as soon as it is gone.
+
+        Raises:
+            EchelonError: there is no such robot, or no launcher.
+        """
+        self._check(robot)
+        if for_good:
+            self._returning.discard(robot)
+        elif robot in self._present:
+            self._returning.add(robot)
+        else:  # the launcher is about to bring it back anyway
+            return
+        self._dismissed.add(robot)
+
+    def readmit(self, robot: int) -> bool:
+        """Have the launcher start an agent again. Whether it was kept down. Raises EchelonError like `dismiss`."""
+        self._check(robot)
+        kept = robot in self._dismissed - self._returning
+        if kept:
+            self._dismissed.discard(robot)
+        return kept
+
+    def _check(self, robot: int) -> None:
+        if robot not in self._world.robots:
+            raise EchelonError(f"expected a robot of the scenario, 1 to {self._world.scenario.size}; got {robot}")
+        if not self.launcher:
+            raise EchelonError(
+                "nobody here can end or start agents: this run was not started by `echelon up`. "
+                f"With compose: docker compose kill agent-{robot}, and docker compose start agent-{robot}"
+            )
+
+    @property
+    def missing(self) -> list[int]:
+        """Robots of the scenario without a live agent."""
+        return sorted(set(self._world.robots) - self._world.live)
+
+    def appear(self, robot: int) -> None:
+        """An agent's token is there."""
+        self._present.add(robot)
+        self.gain(robot)
+
+    def disappear(self, robot: int) -> None:
+        """An agent's token is gone; `settle` decides a moment later."""
+        self._present.discard(robot)
+        self._suspects[robot] = monotonic() + SUSPECT_SECONDS
+
+    def settle(self) -> None:
+        """Agents that have been gone for a moment are lost, unless it was the router that has gone."""
+        now = monotonic()
+        for robot in [robot for robot, at in self._suspects.items() if now >= at]:
+            del self._suspects[robot]
+            if robot not in self._present and self.reachable():
+                self.lose(robot, "lost")
+                if robot in self._returning:  # it was to be replaced, and now it is gone
+                    self._returning.discard(robot)
+                    self._dismissed.discard(robot)
+
+    def gain(self, robot: int) -> None:
+        """An agent is there, or answers again."""
+        world = self._world
+        if robot in world.robots and robot not in world.live and robot in self._present:
+            world.live.add(robot)
+            world.event("agent", f"agent {robot} is here")
+
+    def lose(self, robot: int, why: str) -> None:
+        """The run goes on without an agent."""
+        if robot in self._world.live:
+            self._world.live.discard(robot)
+            self._world.event("agent", f"agent {robot} {why}")
+
+    def recall(self) -> None:
+        """Another scenario begins: who is there is in."""
+        self._world.live = self._present & set(self._world.robots)
+
+    def reachable(self) -> bool:
+        """Whether the router is there, and agents had time to come back if it was not."""
+        now, world = monotonic(), self._world
+        if not self._session.connected:
+            if self._router_lost is None:
+                world.event("run", "router lost: holding")
+            self._router_lost = now
+            return False
+        if self._router_lost is None:
+            return True
+        if not (world.live <= self._present or now - self._router_lost > RETURN_SECONDS):
+            return False
+        self._router_lost = None
+        world.event("run", "router is back")
+        for robot in sorted(world.live - self._present):
+            self.lose(robot, "lost")
+        return True

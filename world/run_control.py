@@ -1,0 +1,130 @@
+"""What people have ordered of a run, and doing it."""
+
+from typing import Any
+
+from formation.errors import ScenarioError, unknown
+from formation.faults import preset
+from formation.scenario.files import load, parse, shipped
+from formation.scenario.registry import check_live
+from formation.scenario.scenario import Scenario
+from network import control
+from network.control import Operation
+from network.messages import RunStatus
+from world.presence import AgentPresence
+from world.rate import Rate
+from world.world import World
+
+_SHARED_KEYS = ("horizon", "prediction_interval", "plan_every", "age_plans")
+"""Keys of a controller that fit every controller."""
+
+
+class RunControl:
+    """Whether to run, and for how many ticks; changes what people ask to be changed."""
+
+    def __init__(self, world: World, pace: Rate, roster: AgentPresence, *, go: bool) -> None:
+        self._world, self._pace, self._roster = world, pace, roster
+        self._go = go
+        self._ticks_left = 0  # of a Step
+        self.stop = False
+        """Whether the run shall end."""
+        self.compare = ""
+        """Controller that a ghost shall fly; empty for none."""
+        self.rejected = 0
+        """For the summary: payloads that were not valid messages."""
+
+    @property
+    def status(self) -> RunStatus:
+        """What the run does now."""
+        world = self._world
+        if world.finished:
+            return "finished"
+        expected = set(self._roster.missing) - set(self._roster.dismissed)
+        if not world.live or (world.k == 0 and expected):
+            return "waiting"
+        return "running" if self._go else "paused"
+
+    @property
+    def active(self) -> bool:
+        """Whether the next tick may go out."""
+        return self.status == "running" or (self.status == "paused" and self._ticks_left > 0)
+
+    def note_tick(self) -> None:
+        """A tick has passed."""
+        self._ticks_left = max(0, self._ticks_left - 1)
+
+    def obey(self, operation: Operation) -> dict[str, Any]:
+        """Do it; the value is the reply's.
+
+        Raises:
+            EchelonError: it cannot be done; the text says why.
+        """
+        world = self._world
+        match operation:
+            case control.Start():
+                if world.finished:
+                    world.reset()
+                self._go = True
+            case control.Pause():
+                self._go, self._ticks_left = False, 0
+            case control.Step(ticks=ticks):
+                self._go, self._ticks_left = False, ticks
+            case control.Reset():
+                world.reset()
+                self._ticks_left = 0
+            case control.Speed(speed=speed):
+                self._pace.speed = speed
+            case control.SetFault(link=link, changes=changes, seconds=seconds):
+                world.change_fault(link, changes, seconds and world.now + seconds)
+            case control.SetPreset(link=link, preset=name, seconds=seconds):
+                world.change_fault(link, preset(name).model_dump(), seconds and world.now + seconds)
+            case control.Clear(link=link):
+                world.clear_faults(link)
+            case control.UseScenario(scenario=name, settings=settings):
+                if name not in shipped():  # a client names a scenario, it does not have files read
+                    raise ScenarioError(unknown("scenario", name, shipped()))
+                self._use(load(name, settings))
+            case control.UseController(controller=name):
+                self._use(with_controller(world.scenario, name))
+            case control.Kill(robot=robot):
+                self._roster.dismiss(robot, for_good=True)
+                world.event("run", f"agent {robot} is killed and kept down")
+            case control.Restart(robot=robot):
+                kept = self._roster.readmit(robot)
+                if not kept:
+                    self._roster.dismiss(robot, for_good=False)
+                world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
+            case control.Compare(controller=name):
+                self.compare = "" if name == "off" else name
+            case control.GetFaults(known=known):
+                return self._faults_since(known)
+            case control.Stop():
+                self.stop = True
+            case control.GetSummary(warmup=warmup):
+                pace = self._pace
+                figures = {"wall_s": pace.wall, "overruns": pace.overruns, "rejected": self.rejected}
+                return {**world.summary(warmup=warmup), **figures}
+        return {}
+
+    def _faults_since(self, known: int) -> dict[str, Any]:
+        world = self._world
+        tables = world.faults.since(known)
+        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
+        return {"episode": world.episode, "changes": world.faults.changes, "tables": told}
+
+    def _use(self, scenario: Scenario) -> None:
+        check_live(scenario.controller.name)
+        self._world.use(scenario)
+        self._roster.recall()
+        self._ticks_left = 0
+
+
+def with_controller(scenario: Scenario, name: str) -> Scenario:
+    """The scenario with another controller; weights and switches of the one before do not fit and are left out.
+
+    Raises:
+        ScenarioError: there is no such controller; the text lists them.
+    """
+    raw = scenario.model_dump(exclude_unset=True)
+    before = raw.get("controller", {})
+    kept = {key: before[key] for key in _SHARED_KEYS if key in before}
+    return parse({**raw, "controller": {**kept, "name": name}}, where="controller")

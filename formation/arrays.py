@@ -1,9 +1,10 @@
-"""The array type of the project: float64, little-endian where it meets the wire, read-only where it is a value."""
+"""The array types of the project: float64, little-endian where it meets the wire, read-only where it is a value."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 def timeline(first: int, last: int, interval: float) -> FloatArray:

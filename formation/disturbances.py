@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from formation.schema import Duration, Model, Probability
+from formation.schema import Duration, Model, NonNegative, Probability
 
 
 class Disturbance(Model):
@@ -19,6 +19,8 @@ class Disturbance(Model):
     """Simulated time at which it ends [s]."""
     drive: Probability = 1.0
     """Share of v and omega that takes effect: 0 is stuck, 0.5 is slowed."""
+    speed: NonNegative | None = None
+    """The wheels turn at most so fast [m/s]; odometry knows it."""
     drift: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
     """Velocity with which it is pushed, in the world's frame [m/s, m/s, rad/s]."""
 
@@ -26,8 +28,8 @@ class Disturbance(Model):
     def _sensible(self) -> "Disturbance":
         if self.until <= self.at:
             raise ValueError(f"expected until > at; got until {self.until:g} and at {self.at:g}")
-        if self.drive == 1.0 and not any(self.drift):
-            raise ValueError("expected drive below 1, or a drift")
+        if self.drive == 1.0 and self.speed is None and not any(self.drift):
+            raise ValueError("expected drive below 1, a speed, or a drift")
         return self
 
     def on(self, now: float) -> bool:

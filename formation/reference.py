@@ -20,6 +20,9 @@ from formation.pattern import rotate
 BLOCK_TICKS = 2000
 """Ticks per block: 20 s, computed in some milliseconds."""
 
+BEHIND_TICKS = 1100
+"""Ticks before its first one that a block reaches back to: measurements and reference times that are late."""
+
 HORIZONS = 2
 """Horizons that a block reaches beyond its last tick: whoever catches up looks further than one."""
 
@@ -32,9 +35,10 @@ DERIVATIVE_STEP = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Rows of the reference for ticks first .. first + BLOCK_TICKS and HORIZONS horizons more."""
+    """Rows of the reference for BLOCK_TICKS ticks, BEHIND_TICKS before them and HORIZONS horizons more."""
 
     first: int
+    """Tick of row 0."""
     centre: FloatArray
     """(T, 5): x_r, y_r, theta_r, v_r, omega_r of the formation's centre [m, m, rad, m/s, rad/s]."""
     slots: FloatArray
@@ -69,12 +73,15 @@ class Reference:
         self._path, self._offsets, self._orientation = path, offsets, orientation
         self._tick, self._stride, self._ahead = control_interval, stride, HORIZONS * stride * horizon
         self._block: Block | None = None
+        self._from = -1
 
     def block(self, k: int) -> Block:
         """The block that holds ticks k .. k + HORIZONS * stride * horizon."""
-        first = k - k % BLOCK_TICKS
-        if self._block is None or self._block.first != first:
-            self._block = self._rows(first, BLOCK_TICKS + self._ahead + 1)
+        start = k - k % BLOCK_TICKS
+        if self._block is None or self._from != start:
+            first = max(0, start - BEHIND_TICKS)
+            self._block = self._rows(first, start - first + BLOCK_TICKS + self._ahead + 1)
+            self._from = start
         return self._block
 
     def positions(self, t: FloatArray) -> FloatArray:

@@ -8,6 +8,8 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray, frozen
+from formation.bodies.nominal import Nominal, nominal
+from formation.bodies.spec import Bodies
 from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError
 from formation.faults import Fault, ScheduledFault, links_named
@@ -105,6 +107,23 @@ class Controller(Model):
         return self
 
 
+class Estimator(Model):
+    """What an agent makes of measurements, before any controller sees them (docs/theory.md, Estimator)."""
+
+    enabled: bool = True
+    """Filter measurements; without, a controller gets the newest measured pose, carried on along odometry."""
+    disturbances: bool = True
+    """Detect and estimate disturbances of the body velocity, and compensate for them."""
+    relative: bool = True
+    """Use relative sensing, where the bodies have it."""
+    window: Annotated[int, Field(ge=1, le=3)] = 2
+    """Robots in one filter: the own one, the upstream neighbour, and that one's (where robots see each other)."""
+    delay: Duration | Literal["learn", "nominal"] = "learn"
+    """From a command to its effect [s]: learnt, that of [bodies], or a number."""
+    lag: Duration | Literal["learn", "nominal"] = "nominal"
+    """Time constant of the wheels [s], likewise."""
+
+
 class Scenario(Model):
     """One flight, complete: with it, a seed and nothing else, a run can be repeated."""
 
@@ -121,6 +140,9 @@ class Scenario(Model):
     robots: Robots = Robots()
     noise: Noise = Noise()
     controller: Controller = Controller()
+    bodies: Bodies = Bodies()
+    """What the robots are: how they follow commands, and what is measured of them."""
+    estimator: Estimator = Estimator()
     link: Fault = Fault()
     """What every link between robots does unless a fault says otherwise."""
     faults: tuple[ScheduledFault, ...] = ()
@@ -148,6 +170,14 @@ class Scenario(Model):
                 links_named(fault.link, self.size)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
+        if self.noise.model_fields_set & self.bodies.model_fields_set or (
+            {"position", "heading"} & self.noise.model_fields_set & self.bodies.localisation.model_fields_set
+        ):
+            raise ValueError("noise: expected slip, gyro, position and heading either here or in bodies; got both")
+        try:
+            nominal(self.body, self.control_interval)
+        except ValueError as error:
+            raise ValueError(f"bodies.{error}") from None
         for line in robots_missing(self.disturbances, self.size):
             raise ValueError(line)
         return self
@@ -156,6 +186,22 @@ class Scenario(Model):
     def size(self) -> int:
         """Number of robots."""
         return len(self.formation.array)
+
+    @cached_property
+    def body(self) -> Bodies:
+        """The bodies, with [noise], which is another way to write four of their keys."""
+        noise = self.noise
+        if not noise.model_fields_set:
+            return self.bodies
+        sensor = self.bodies.localisation
+        given = {key: getattr(noise, key) for key in ("slip", "gyro") if key in noise.model_fields_set}
+        seen = {key: getattr(noise, key) for key in ("position", "heading") if key in noise.model_fields_set}
+        return self.bodies.model_copy(update={**given, "localisation": sensor.model_copy(update=seen)})
+
+    @cached_property
+    def nominal(self) -> Nominal:
+        """What everybody may know of the bodies."""
+        return nominal(self.body, self.control_interval)
 
     @property
     def spacing(self) -> float:

@@ -1,0 +1,55 @@
+"""One unicycle's motion with a drift: what the estimator and the best response share beside kernels/unicycle.py."""
+
+import math
+
+from agents.kernels.jit import kernel
+from agents.kernels.unicycle import step
+from formation.arrays import FloatArray
+
+
+@kernel
+def wrap_small(angle: float) -> float:
+    """The same angle in [-pi, pi] [rad]; cheap where it is small already."""
+    if -3.14159 < angle < 3.14159:
+        return angle
+    return math.atan2(math.sin(angle), math.cos(angle))
+
+
+@kernel
+def between(value: float, low: float, high: float) -> float:
+    """Value held within low .. high."""
+    return min(max(value, low), high)
+
+
+@kernel
+def age_drifting(
+    pose: FloatArray, inputs: FloatArray, drift: FloatArray, elapsed: float, interval: float, out: FloatArray
+) -> None:
+    """The pose (3,) that a plan predicts `elapsed` after it begins, at most to its end; into out (3,).
+
+    Args:
+        pose: (3,) where the plan begins [m, m, rad].
+        inputs: (N, 2) mean body velocities per interval [m/s, rad/s].
+        drift: (2,) in the world frame [m/s].
+        elapsed: [s].
+        interval: Delta_T [s].
+        out: (3,).
+    """
+    x, y, theta = pose[0], pose[1], pose[2]
+    left = elapsed
+    for j in range(len(inputs)):
+        if left <= 1e-12:
+            break
+        x, y, theta = step(x, y, theta, inputs[j, 0], inputs[j, 1], min(left, interval))
+        left -= interval
+    out[0], out[1], out[2] = x + drift[0] * elapsed, y + drift[1] * elapsed, theta
+
+
+@kernel
+def slot_at(table: FloatArray, row: float, out: FloatArray) -> None:
+    """Slot pose, out (3,), of one robot's table (T, 3) at a row that may lie between two ticks."""
+    k = min(max(int(row + 1e-9), 0), len(table) - 2)
+    part = max(row - k, 0.0)
+    for c in range(2):
+        out[c] = table[k, c] + part * (table[k + 1, c] - table[k, c])
+    out[2] = table[k, 2] + part * wrap_small(table[k + 1, 2] - table[k, 2])

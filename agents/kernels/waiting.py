@@ -1,0 +1,250 @@
+"""Waiting by PI with an announced rate (docs/theory.md, Waiting): the formation's clock is held back for who cannot keep up.
+
+A robot's reference is the scenario's at t - lag. Who is behind its slot and does not move as it planned raises its own
+need n at a rate that a PI law finds; it announces n and the rate r, and everybody's lag follows the largest need heard,
+carried on by its rate. Only a robot's own need raises its n, so that no rumour runs round the ring.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.kernels.jit import (
+    FLAG,
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    VECTOR,
+    VECTOR_OUT,
+    WHOLE,
+    WHOLE_VECTOR_OUT,
+    kernel,
+    kernel_for,
+    named,
+)
+from agents.kernels.motion import age_drifting, between
+from formation.arrays import FloatArray, IntArray
+
+
+CHARGE, LEAK = 0.1, 1.5
+"""The integral: time constant of p [s], and what it loses [1/s]."""
+DONE = 0.005
+"""Below this the integral lets waiting end."""
+MEMORY = 0.25
+"""Time constant of `short` [s]."""
+LEAST_FREE, LEAST_WIDTH = 0.025, 0.03
+"""Spacings."""
+TURN_FREE, TURN_CALM, TURN_MEMORY = 0.03, 0.2, 0.5
+SETTLE = 0.5
+"""Time in which a need is worked off [s]."""
+PULL = 20.0
+"""How fast a lag follows the need [1/s]."""
+SOON = 0.025
+"""r falls by (SOON / age^2) per second: nobody runs ahead of who has not heard yet."""
+LEAST = 1e-4
+"""A need below this is none [s]."""
+FRESH, KNOWN, CAP = 2.0, 5.0, 3.0
+"""News younger than FRESH can say that somebody waits, than KNOWN moves the lag; carried on by CAP at most [s]."""
+ABLE_GAP, ABLE_SHARE, ABLE_TICKS = 0.010, 1.2, 50
+MARGIN = 0.95
+CUT = 0.003
+"""A waiting robot promises this much more speed than it reached lately [m/s]."""
+REACHED = 0.1
+"""Time constant of that mean [s]."""
+NEED, RATE, SHORT, INTEGRAL, LAG, PACE, PEAK, SPEED = range(8)
+"""Columns of `real`: n [s], r, short [spacings], I, lag [s], pace, peak of |omega_r| [rad/s], reached speed [m/s]."""
+WAITS, UNABLE, PLANNED = range(3)
+"""Columns of `whole`: 1 while waiting; tick before which the robot is not able; 1 once there is a last plan."""
+
+
+class Wait(NamedTuple):
+    """The waiting of one robot, or with a leading axis of n robots."""
+
+    real: FloatArray
+    """(8,)"""
+    whole: IntArray
+    """(3,)"""
+    pose: FloatArray
+    """(3,) at the stamp of the last plan."""
+    velocities: FloatArray
+    """(N, 2) of the last plan, as planned [m/s, rad/s]."""
+    drift: FloatArray
+    """(2,) of the last plan [m/s]."""
+    news: FloatArray
+    """(n, 3) n [s], r, stamp in ticks (-1: none) of every robot, the own included."""
+
+
+WAIT = named(Wait, VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, MATRIX_OUT, VECTOR_OUT, MATRIX_OUT)
+
+
+def start(robots: int, steps: int) -> Wait:
+    """Nobody waits."""
+    real = np.zeros(8)
+    real[PACE] = 1.0
+    news = np.zeros((robots, 3))
+    news[:, 2] = -1.0
+    return Wait(real, np.zeros(3, dtype=np.int64), np.zeros(3), np.zeros((steps, 2)), np.zeros(2), news)
+
+
+class Self(NamedTuple):
+    """What a robot knows of itself when it decides whether to wait."""
+
+    robot: int
+    stamp: float
+    """t + d, in ticks."""
+    pose: FloatArray
+    """(3,) at the stamp."""
+    sigma: float
+    """Standard deviation of its position along its heading [m]."""
+    disturbance: float
+    """d_v [m/s]."""
+    gap: float
+    """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
+
+
+SELF = named(Self, WHOLE, REAL, VECTOR, REAL, REAL, REAL)
+
+
+@kernel_for(NOTHING, WAIT, MATRIX)
+def merge(w: Wait, news: FloatArray) -> None:
+    """Take news from a plan, rows (robot from 0, n [s], r, stamp [ticks]); the newest stamp wins."""
+    for i in range(len(news)):
+        q = int(news[i, 0])
+        if 0 <= q < len(w.news) and news[i, 3] > w.news[q, 2]:
+            w.news[q] = news[i, 1:]
+
+
+@kernel
+def ages(w: Wait, robot: int, stamp: float, dt: float) -> float:
+    """Age of the oldest news of any other robot [s], at least 0.02."""
+    oldest = 0.02
+    for q in range(len(w.news)):
+        if q != robot:
+            oldest = max(oldest, (stamp - max(w.news[q, 2], 0.0)) * dt)
+    return oldest
+
+
+@kernel_for(FLAG, WAIT, WHOLE, REAL, FLAG, REAL)
+def somebody(w: Wait, robot: int, stamp: float, heard_waits: bool, dt: float) -> bool:
+    """Whether anybody waits, as far as is known."""
+    if heard_waits or w.whole[WAITS] == 1 or w.real[NEED] > 0.001:
+        return True
+    for q in range(len(w.news)):
+        if q != robot and w.news[q, 2] >= 0.0 and w.news[q, 0] > 0.001 and (stamp - w.news[q, 2]) * dt < FRESH:
+            return True
+    return False
+
+
+@kernel
+def _follow(w: Wait, robot: int, stamp: float, h: float, dt: float) -> None:
+    """Lag and pace follow the largest need that is known."""
+    real = w.real
+    best, rate, who = real[NEED], real[RATE], robot
+    for q in range(len(w.news)):
+        old = (stamp - w.news[q, 2]) * dt
+        if q != robot and w.news[q, 2] >= 0.0 and old <= KNOWN:
+            need = w.news[q, 0] + w.news[q, 1] * min(max(old, 0.0), CAP)
+            if need > best:
+                best, rate, who = need, w.news[q, 1], q
+    lag = real[LAG]
+    if who == robot:
+        lag = real[NEED]
+    else:
+        lag += rate * h + min(PULL * h, 1.0) * (best - lag - rate * h)
+    lag = between(lag, real[LAG] - 2.0 * h, real[LAG] + 2.0 * h)
+    real[LAG] = between(lag, 0.0, stamp * dt)
+    real[PACE] = 1.0 - between(rate, -1.0, 1.0)
+
+
+@kernel_for(NOTHING, WAIT, SELF, VECTOR, VECTOR, REAL, REAL, REAL, REAL, REAL)
+def decide(
+    w: Wait,
+    me: Self,
+    slot: FloatArray,
+    rates: FloatArray,
+    spacing: float,
+    v_max: float,
+    h: float,
+    dt: float,
+    interval: float,
+) -> None:
+    """Bring need, rate, lag and pace to this planning tick.
+
+    Args:
+        w: changed.
+        me: see there.
+        slot: (3,) the own slot at the stamp less the lag, which has grown by (1 - pace) h since the last plan.
+        rates: (2,) its v and omega at pace 1 [m/s, rad/s].
+        spacing: [m].
+        v_max: limit of |v| [m/s].
+        h: time from one plan to the next [s].
+        dt: tick [s].
+        interval: Delta_T [s].
+    """
+    real, whole, pose = w.real, w.whole, me.pose
+    v_r, omega_r = rates[0], rates[1]
+    forward = 1.0 if v_r >= 0.0 else -1.0
+    c, s = math.cos(slot[2]), math.sin(slot[2])
+    behind = forward * (c * (slot[0] - pose[0]) + s * (slot[1] - pose[1])) / spacing
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    real[SHORT] *= math.exp(-h / MEMORY)
+    if whole[PLANNED] == 1:
+        expected = np.empty(3)
+        age_drifting(w.pose, w.velocities, w.drift, h, interval, expected)
+        real[SHORT] += forward * (c * (expected[0] - pose[0]) + s * (expected[1] - pose[1])) / spacing
+        moved = (c * (pose[0] - w.pose[0]) + s * (pose[1] - w.pose[1])) / h
+        real[SPEED] += (1.0 - math.exp(-h / REACHED)) * (moved - real[SPEED])
+    real[PEAK] = max(abs(omega_r), real[PEAK] * math.exp(-h / TURN_MEMORY))
+
+    now = int(me.stamp)
+    if abs(me.gap) >= ABLE_GAP or abs(me.disturbance) >= ABLE_SHARE * abs(v_r):
+        whole[UNABLE] = now + ABLE_TICKS
+    oldest = ages(w, me.robot, me.stamp, dt)
+    free = max(LEAST_FREE, min(5.0 * me.sigma / spacing, 0.1))
+    if now >= whole[UNABLE]:
+        free = max(free, 0.1 * min(oldest, 0.6))
+    width = max(LEAST_WIDTH, free)
+    free += TURN_FREE * max(real[PEAK] - TURN_CALM, 0.0)
+
+    if whole[WAITS] == 0:
+        p = between((min(behind, real[SHORT]) - free) / width, 0.0, 1.0)
+        if p > 0.0:
+            whole[WAITS] = 1
+            real[NEED] = max(real[NEED], real[LAG])
+    else:
+        push = behind if behind < 0.0 else min(behind, max(real[SHORT], 0.0))
+        p = between(push / width, -1.0, 1.0)
+    real[INTEGRAL] = between(real[INTEGRAL] + h * (p / CHARGE - LEAK), 0.0, 1.0)
+    if whole[WAITS] == 1 and real[INTEGRAL] < DONE and p <= 0.0:
+        whole[WAITS] = 0
+    if whole[WAITS] == 1:
+        real[NEED] += h * between(p + real[INTEGRAL], 0.0, 1.0)
+        real[RATE] = real[INTEGRAL]
+    else:
+        haste = max(MARGIN * v_max / max(abs(v_r), 1e-9) - 1.0, 0.0)
+        target = -min(1.0, haste, real[NEED] / SETTLE)
+        real[RATE] = max(target, real[RATE] - SOON / (oldest * oldest) * h)
+        real[NEED] = max(real[NEED] + real[RATE] * h, 0.0)
+        if real[NEED] <= LEAST:
+            real[NEED] = real[RATE] = 0.0
+    w.news[me.robot, 0], w.news[me.robot, 1], w.news[me.robot, 2] = real[NEED], real[RATE], me.stamp
+    _follow(w, me.robot, me.stamp, h, dt)
+
+
+@kernel_for(NOTHING, WAIT, VECTOR, MATRIX, VECTOR)
+def remember(w: Wait, pose: FloatArray, velocities: FloatArray, drift: FloatArray) -> None:
+    """What the robot is going to do: pose (3,) at the stamp, velocities (N, 2), drift (2,)."""
+    w.pose[:] = pose
+    w.velocities[:] = velocities
+    w.drift[:] = drift
+    w.whole[PLANNED] = 1
+
+
+@kernel_for(NOTHING, WAIT, MATRIX_OUT)
+def honest(w: Wait, velocities: FloatArray) -> None:
+    """A waiting robot's announced velocities (N, 2) are no faster than it got lately."""
+    if w.whole[WAITS] == 1:
+        for j in range(len(velocities)):
+            velocities[j, 0] = min(velocities[j, 0], w.real[SPEED] + CUT)

@@ -1,0 +1,1 @@
+"""What the robots are: the scenario's [bodies] table, and presets for it."""

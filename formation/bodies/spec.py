@@ -1,0 +1,149 @@
+"""The scenario's [bodies] table: how wheels follow commands, what sensors see, and what differs from robot to robot.
+
+docs/theory.md, "Bodies", has the equations. Numbers that are drawn per robot are uniform within +- the bound.
+"""
+
+from typing import Annotated, Any
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from formation.bodies.presets import PRESETS
+from formation.errors import unknown
+from formation.schema import Duration, Model, NonNegative, Positive, Probability
+
+RADIUS = 0.035
+"""Of a body whose radius nobody gives: an e-puck's [m]."""
+
+
+class Dropout(Model):
+    """For a while, a robot's localisation sees nothing."""
+
+    robot: Annotated[int, Field(ge=1)]
+    at: Duration = 0.0
+    """[s]; a measurement is lost if its stamp lies within at .. until."""
+    until: Duration
+    """[s]."""
+
+
+class Localisation(Model):
+    """What tells a robot where it is."""
+
+    rate: Positive = 100.0
+    """Measurements a second; a whole number of ticks lies between two."""
+    age: Duration = 0.0
+    """From the moment that is measured to its arrival [s]."""
+    position: NonNegative = 0.0
+    """Standard deviation of x and y [m]."""
+    heading: NonNegative = 0.0
+    """Standard deviation [rad]."""
+    outliers: Probability = 0.0
+    """Share of measurements that are far off."""
+    outlier_size: NonNegative = 0.05
+    """Standard deviation of x and y that an outlier adds [m]; to the heading it adds 0.25 rad."""
+    dropouts: tuple[Dropout, ...] = ()
+
+
+class RelativeSensing(Model):
+    """A sensor of the upstream neighbour's position in the own frame."""
+
+    sigma: Annotated[FiniteFloat, Field(ge=0.0)] | None = None
+    """Standard deviation of x and y [m]; without a value robots do not see each other."""
+
+
+class BodyLimits(Model):
+    """What a body can do: |v| <= v, |omega| <= omega."""
+
+    v: Positive = 0.5
+    """[m/s]."""
+    omega: Positive = 2.0
+    """[rad/s]."""
+
+
+class RobotBody(Model):
+    """What differs in one robot; a key that is absent is that of all."""
+
+    robot: Annotated[int, Field(ge=1)]
+    lag: Duration | None = None
+    acceleration: Positive | None = None
+    turn_acceleration: Positive | None = None
+    scale: FiniteFloat | None = None
+    """The robot's own factor less 1, instead of a drawn one."""
+    turn_scale: FiniteFloat | None = None
+    turn_offset: FiniteFloat | None = None
+    """[rad/s]."""
+    slip: NonNegative | None = None
+    gyro: NonNegative | None = None
+    radius: Positive | None = None
+    """[m]."""
+    limits: BodyLimits | None = None
+
+
+class Bodies(Model):
+    """The bodies of all robots."""
+
+    preset: str = "ideal"
+    """A named set of values for the keys below; keys beside it refine it."""
+    implementation: str = "wheeled"
+    """Which model moves the bodies (world/bodies/)."""
+    lag: Duration = 0.0
+    """Time constant with which wheel speeds follow commands [s]."""
+    acceleration: Positive | None = None
+    """Largest change of v [m/s2]; unlimited if absent."""
+    turn_acceleration: Positive | None = None
+    """Largest change of omega [rad/s2]; unlimited if absent."""
+    delay: Duration = 0.0
+    """From a command's arrival to its effect [s]."""
+    scale: NonNegative = 0.0
+    """Bound of s_v: a robot drives 1 + s_v times as fast as its wheels say."""
+    turn_scale: NonNegative = 0.0
+    """Bound of s_omega, likewise."""
+    turn_offset: NonNegative = 0.0
+    """Bound of b_omega: a robot turns so fast by itself [rad/s]."""
+    slip: NonNegative = 0.0
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n, standard normal."""
+    gyro: NonNegative = 0.0
+    """Each tick gyro n is added to omega [rad/s]."""
+    slip_time: Duration = 0.0
+    """Correlation time of slip and gyro [s]; 0 is white noise."""
+    radius: Positive = RADIUS
+    """Two bodies touch when their centres are closer than the sum of their radii [m]."""
+    arena: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    """[x_min, y_min, x_max, y_max] that robots must not leave [m]; only counted."""
+    localisation: Localisation = Localisation()
+    relative: RelativeSensing = RelativeSensing()
+    robots: tuple[RobotBody, ...] = ()
+    """What differs from robot to robot."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_preset(cls, raw: Any) -> Any:
+        """Short text is a preset's name; a preset's values stand for the keys that are not given."""
+        if isinstance(raw, str):
+            raw = {"preset": raw}
+        if not isinstance(raw, dict):
+            return raw
+        name = raw.get("preset", "ideal")
+        if name not in PRESETS:
+            raise ValueError(unknown("preset of bodies", str(name), PRESETS))
+        return _merged(PRESETS[name], raw)
+
+    @model_validator(mode="after")
+    def _sensible(self) -> "Bodies":
+        seen = [entry.robot for entry in self.robots]
+        if len(set(seen)) < len(seen):
+            raise ValueError("robots: expected at most one entry a robot")
+        if self.arena and not (self.arena[0] < self.arena[2] and self.arena[1] < self.arena[3]):
+            raise ValueError("arena: expected [x_min, y_min, x_max, y_max]")
+        return self
+
+    @property
+    def sees(self) -> bool:
+        """Whether robots sense their upstream neighbour's position."""
+        return self.relative.sigma is not None
+
+
+def _merged(below: Any, above: Any) -> Any:
+    """A preset's table with the given keys on top."""
+    if not (isinstance(below, dict) and isinstance(above, dict)):
+        return above
+    return {**below, **{key: _merged(below.get(key), value) for key, value in above.items()}}

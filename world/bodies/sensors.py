@@ -1,0 +1,81 @@
+"""What sensors tell of the bodies: localisation that is late, noisy, sometimes far off or absent, and relative sensing."""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from formation.arrays import FloatArray, frozen
+from formation.bodies.nominal import Nominal
+from formation.scenario.scenario import Scenario
+from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
+
+OUTLIER_HEADING = 0.25
+"""Standard deviation that an outlier adds to the heading [rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """What sensors deliver at one tick."""
+
+    tick: int
+    """The tick that was measured; earlier than the one at which it arrives if localisation takes time."""
+    poses: FloatArray
+    """(n, 3) localised; rows of robots that are not in `localised` are zero [m, m, rad]."""
+    localised: list[int]
+    """Numbers of the robots whose localisation delivered."""
+    relatives: FloatArray
+    """(n or 0, 2) position of the upstream neighbour in the own frame [m]; no rows without relative sensing."""
+
+
+NOTHING: FloatArray = frozen(np.zeros((0, 2)))
+
+
+class Sensors:
+    """The sensors of all robots. What they add depends on seed, robot and tick alone."""
+
+    def __init__(self, scenario: Scenario, nominal: Nominal) -> None:
+        self._nominal = nominal
+        self._dropouts = scenario.bodies.localisation.dropouts
+        self._share, self._size = scenario.bodies.localisation.outliers, scenario.bodies.localisation.outlier_size
+        self._dt = scenario.control_interval
+        n = scenario.size
+        self._spread = np.array([nominal.position, nominal.position, nominal.heading])
+        self._noise = Draws(scenario.seed, LOCALISATION, n, 3)
+        self._chance = Draws(scenario.seed, CHANCE, n, 1, uniform=True)
+        self._outliers = Draws(scenario.seed, OUTLIER, n, 3)
+        self._relative = Draws(scenario.seed, RELATIVE, n, 2)
+        self._past: deque[FloatArray] = deque(maxlen=nominal.age + 1)
+
+    def measure(self, tick: int, poses: FloatArray) -> Measured | None:
+        """What arrives at this tick, at which the robots are at poses (n, 3); call once a tick, in order."""
+        self._past.append(poses)
+        measured = tick - self._nominal.age
+        if measured < 0 or measured % self._nominal.period:
+            return None
+        return self._seen(measured, self._past[0])
+
+    def _seen(self, tick: int, poses: FloatArray) -> Measured:
+        robots = list(range(1, len(poses) + 1))
+        seen = poses
+        if self._spread.any() or self._share > 0.0:
+            seen = seen + self._spread * self._noise.at(tick)
+        if self._share > 0.0:
+            wild = np.array([self._size, self._size, OUTLIER_HEADING]) * self._outliers.at(tick)
+            seen = seen + np.where(self._chance.at(tick) < self._share, wild, 0.0)
+        if self._dropouts:
+            now = tick * self._dt + 1e-9
+            blind = {entry.robot for entry in self._dropouts if entry.at <= now < entry.until}
+            robots = [robot for robot in robots if robot not in blind]
+            seen = np.array(seen)
+            seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
+        sigma = self._nominal.relative
+        relatives = NOTHING if sigma is None else frozen(_relative(poses) + sigma * self._relative.at(tick))
+        return Measured(tick, frozen(seen), robots, relatives)
+
+
+def _relative(poses: FloatArray) -> FloatArray:
+    """(n, 2): where each robot's upstream neighbour is, in its own frame [m]."""
+    gap = np.roll(poses[:, :2], 1, axis=0) - poses[:, :2]
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    return np.stack([c * gap[:, 0] + s * gap[:, 1], c * gap[:, 1] - s * gap[:, 0]], axis=1)

@@ -1,0 +1,159 @@
+"""Wheeled bodies: wheels that follow commands late and slowly, slip, get stuck, and are pushed (docs/theory.md, Bodies).
+
+A command c acts `delay` after its arrival, held within the limits. Wheel speeds follow it,
+w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as an exact unicycle
+with v = drive (1 + s_v)(1 + slip n_1) w_v and omega = drive ((1 + s_w)(1 + slip n_2) w_w + b_w + gyro n_3), and is
+carried by a disturbance's drift.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from formation import unicycle
+from formation.arrays import FloatArray, frozen
+from formation.bodies.nominal import Nominal
+from formation.bodies.spec import RobotBody
+from formation.disturbances import Disturbance
+from formation.scenario.scenario import Scenario
+from world.bodies.draws import CONSTANT, MOTION, Draws, generator
+from world.bodies.sensors import Measured, Sensors
+
+
+@dataclass(frozen=True, slots=True)
+class Constants:
+    """What one robot's body is like."""
+
+    rate: float
+    """Share of the gap between command and wheel speed that a tick closes; 1 without lag."""
+    change: tuple[float, float]
+    """Largest change of wheel speed in a tick [m/s, rad/s]."""
+    limits: tuple[float, float]
+    """[m/s, rad/s]."""
+    gains: tuple[float, float]
+    """1 + s_v, 1 + s_w."""
+    offset: float
+    """b_w [rad/s]."""
+    slip: float
+    gyro: float
+    """[rad/s]."""
+
+
+class WheeledBodies:
+    """Bodies of all robots, moved tick by tick. The same seed gives the same noise, whatever the commands."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Robots at their start, with their wheels at the speeds of their slots."""
+        self._dt, self._disturbances = scenario.control_interval, scenario.disturbances
+        known = scenario.nominal
+        n = scenario.size
+        self._bodies = [_constants(scenario, known, robot) for robot in range(1, n + 1)]
+        slip_time = scenario.bodies.slip_time
+        self._keep = math.exp(-self._dt / slip_time) if slip_time > 0.0 else 0.0
+        self._slips = any(body.slip > 0.0 or body.gyro > 0.0 for body in self._bodies)
+        self._motion = Draws(scenario.seed, MOTION, n, 3)
+        self._slipping = [[0.0, 0.0, 0.0] for _ in range(n)]
+        self._sensors = Sensors(scenario, known)
+        self._k = 0
+        self.poses: FloatArray = scenario.start_poses()
+        """(n, 3) true poses now, read-only [m, m, rad]."""
+        block = scenario.reference().block(0)
+        at_start: list[list[float]] = block.inputs[0].tolist()
+        self._wheels = at_start
+        self._queue: deque[list[list[float]]] = deque(block.inputs[tick].tolist() for tick in range(known.delay))
+
+    @property
+    def odometry(self) -> FloatArray:
+        """(n, 2) speeds of the wheels over the last tick [m/s, rad/s]."""
+        return frozen(self._wheels)
+
+    def measure(self) -> Measured | None:
+        """What sensors deliver at this tick; call once a tick."""
+        return self._sensors.measure(self._k, self.poses)
+
+    def move(self, commands: FloatArray) -> None:
+        """One tick on, under commands (n, 2) [m/s, rad/s]."""
+        self._queue.append(commands.tolist())
+        acting = self._queue.popleft()
+        drive, cap, drift = self._disturbed()
+        noise = self._motion.at(self._k).tolist() if self._slips else None
+        moved, wheels = [], []
+        for i, (body, pose) in enumerate(zip(self._bodies, self.poses.tolist(), strict=True)):
+            speeds = _spun(body, self._wheels[i], acting[i], cap[i])
+            v, omega = speeds[0] * body.gains[0], speeds[1] * body.gains[1]
+            if noise is not None:
+                n = self._correlated(i, noise[i])
+                v, omega = v * (1.0 + body.slip * n[0]), omega * (1.0 + body.slip * n[1]) + body.gyro * n[2]
+            moved.append(unicycle.step(*pose, v * drive[i], (omega + body.offset) * drive[i], self._dt))
+            wheels.append(speeds)
+        self._wheels = wheels
+        self.poses = frozen(moved if drift is None else np.array(moved) + self._dt * drift)
+        self._k += 1
+
+    def _correlated(self, i: int, fresh: list[float]) -> list[float]:
+        """The noise of robot row i at this tick: white, or first-order autoregressive with unit variance."""
+        if self._keep == 0.0:
+            return fresh
+        blend = math.sqrt(1.0 - self._keep * self._keep)
+        self._slipping[i] = [self._keep * old + blend * new for old, new in zip(self._slipping[i], fresh, strict=True)]
+        return self._slipping[i]
+
+    def _disturbed(self) -> tuple[list[float], list[float], FloatArray | None]:
+        """Shares (n,) of the motion that take effect, limits (n,) of |v| [m/s], and pushes (n, 3), None without any."""
+        n = len(self._bodies)
+        drive, cap = [1.0] * n, [math.inf] * n
+        if not self._disturbances:
+            return drive, cap, None
+        drift = np.zeros((n, 3))
+        for entry in self._acting():
+            row = entry.robot - 1
+            drive[row] *= entry.drive
+            drift[row] += entry.drift
+            if entry.speed is not None:
+                cap[row] = min(cap[row], entry.speed)
+        return drive, cap, drift
+
+    def _acting(self) -> list[Disturbance]:
+        return [entry for entry in self._disturbances if entry.on(self._k * self._dt)]
+
+
+def _spun(body: Constants, wheel: list[float], command: list[float], cap: float) -> list[float]:
+    """Wheel speeds a tick later."""
+    speeds = []
+    for c in range(2):
+        limit = min(body.limits[c], cap) if c == 0 else body.limits[c]
+        wanted = min(max(command[c], -limit), limit)
+        if body.rate < 1.0 or math.isfinite(body.change[c]):
+            step = body.rate * (wanted - wheel[c])
+            wanted = wheel[c] + min(max(step, -body.change[c]), body.change[c])
+        speeds.append(wanted)
+    return speeds
+
+
+def _constants(scenario: Scenario, known: Nominal, robot: int) -> Constants:
+    """The body of one robot, with what is drawn for it from the seed."""
+    bodies, dt = scenario.body, scenario.control_interval
+    own = next((entry for entry in bodies.robots if entry.robot == robot), RobotBody(robot=robot))
+    drawn = generator(scenario.seed, CONSTANT, robot - 1).uniform(-1.0, 1.0, 3)
+    lag = known.lag if own.lag is None else own.lag
+    limits = own.limits or scenario.robots.limits
+    scales = [
+        bound * share if given is None else given
+        for bound, share, given in zip(
+            (bodies.scale, bodies.turn_scale, bodies.turn_offset),
+            drawn.tolist(),
+            (own.scale, own.turn_scale, own.turn_offset),
+            strict=True,
+        )
+    ]
+    return Constants(
+        1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0,
+        ((own.acceleration or known.acceleration) * dt, (own.turn_acceleration or known.turn_acceleration) * dt),
+        (limits.v, limits.omega),
+        (1.0 + scales[0], 1.0 + scales[1]),
+        scales[2],
+        known.slip if own.slip is None else own.slip,
+        known.gyro if own.gyro is None else own.gyro,
+    )

@@ -30,8 +30,6 @@ from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
 from network.zenoh_bus import Sample, Session
 
-SILENCE_SECONDS = 1.5
-"""The world says its state twenty times a second; silent for so long, it is gone."""
 WAITING_GHOSTS = 1000
 """Ghosts that wait: one that catches up says 450 in a row."""
 WAITING_STATUSES = 2 * MAX_ROBOTS
@@ -112,7 +110,7 @@ class TelemetrySubscriber:
             poses=poses,
             stamp=stamp,
             ghosts=ghosts,
-            here=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
+            here=bool(states) and now - states[-1][0] < topics.STATE.stale,
             connected=self._session.connected,
         )
 

@@ -1,11 +1,11 @@
-"""Payloads that were not valid messages: counted, and told to people once a second per sender."""
+"""Payloads that were not valid messages: counted, and logged at most once a second per sender."""
 
 import logging
 from time import monotonic
 
 LOG_INTERVAL = 1.0
 MAX_SENDERS = 1000
-"""Keys that are told apart; a flood of invented ones does not fill the memory."""
+"""Keys that are logged separately, so that a flood of invented keys does not fill the memory."""
 
 _log = logging.getLogger("echelon")
 

@@ -22,17 +22,17 @@ def status(run: str, robot: int | str) -> str:
 
 
 def state(run: str) -> str:
-    """The world's State, for people."""
+    """The world's State, for displays."""
     return f"echelon/{run}/state"
 
 
 def ghost(run: str) -> str:
-    """What would be under another controller: Ghost."""
+    """The same episode under another controller: Ghost."""
     return f"echelon/{run}/ghost"
 
 
 def control(run: str) -> str:
-    """Where the world answers Requests."""
+    """The queryable on which the world answers Requests."""
     return f"echelon/{run}/control"
 
 

@@ -31,7 +31,7 @@ def matrix(snapshot: Snapshot, views: list[LinkView], click: Clickable, chosen: 
     few = n <= MATRIX_ROBOTS
     note = "row to column; " * few + "press one to aim faults at it"
     title = f'<div style="padding:2px 0 4px"><b>Age of plans</b> <span style="{MUTED}">{note}</span></div>'
-    body = _square(n, views, click, chosen) if few else _list(views, clickable, chosen)
+    body = _square(n, views, click, chosen) if few else _list(views, click, chosen)
     return click.around(f'<div style="{FONT};padding:0 16px 8px 10px">{title}{body}</div>')
 
 

@@ -1,6 +1,6 @@
 """Messages to bytes and back: a CRC-32, then a MessagePack map with the message's type, version and fields.
 
-Arrays are raw little-endian float64. Decoding bytes that nobody trusts gives a message or a WireError, nothing
+Arrays are raw little-endian float64. Decoding untrusted bytes gives a message or a WireError, nothing
 else. The CRC is there because a link may flip bytes: a damaged plan must count as lost, not move a robot.
 """
 

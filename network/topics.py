@@ -144,17 +144,17 @@ def status(run: str, robot: int | str) -> str:
 
 
 def state(run: str) -> str:
-    """The world's State, for people."""
+    """The world's State, for displays."""
     return STATE.key(run)
 
 
 def ghost(run: str) -> str:
-    """What would be under another controller: Ghost."""
+    """The same episode under another controller: Ghost."""
     return GHOST.key(run)
 
 
 def control(run: str) -> str:
-    """Where the world answers Requests."""
+    """The queryable on which the world answers Requests."""
     return CONTROL.key(run)
 
 

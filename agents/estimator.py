@@ -18,7 +18,7 @@ from agents.motor_model import MotorModel
 from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
-from network.messages import Plan
+from network.messages import NO_MEASUREMENTS, NO_SUMS, Plan
 
 STILL: FloatArray = np.zeros(2)
 FAR, TURNED = 0.5, 1.0
@@ -191,7 +191,7 @@ class WindowEstimator:
         """(H, 3) what `Plan.odometry` carries."""
         hops = self.blocks - 1
         if hops < 1:
-            return NO_ODOMETRY
+            return NO_SUMS
         window = self.window
         return np.column_stack([window.sums[:hops], window.until[:hops]])
 
@@ -245,11 +245,11 @@ class LatestPose:
         """Nothing: it does not filter."""
 
     def odometry(self) -> FloatArray:
-        return NO_ODOMETRY
+        return NO_SUMS
 
     def measurements(self) -> FloatArray:
         return NO_MEASUREMENTS
 
 
-NO_ODOMETRY: FloatArray = np.zeros((0, 3))
-NO_MEASUREMENTS: FloatArray = np.zeros((0, 9))
+
+

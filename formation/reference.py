@@ -23,6 +23,9 @@ BLOCK_TICKS = 2000
 BEHIND_TICKS = 1100
 """Ticks before its first one that a block reaches back to: measurements and reference times that are late."""
 
+KEPT_BLOCKS = 3
+"""Blocks that are kept: one around now, and those around reference times that are late."""
+
 HORIZONS = 2
 """Horizons that a block reaches beyond its last tick: whoever catches up looks further than one."""
 
@@ -72,17 +75,19 @@ class Reference:
         """
         self._path, self._offsets, self._orientation = path, offsets, orientation
         self._tick, self._stride, self._ahead = control_interval, stride, HORIZONS * stride * horizon
-        self._block: Block | None = None
-        self._from = -1
+        self._blocks: dict[int, Block] = {}
 
     def block(self, k: int) -> Block:
         """The block that holds ticks k .. k + HORIZONS * stride * horizon."""
         start = k - k % BLOCK_TICKS
-        if self._block is None or self._from != start:
+        block = self._blocks.get(start)
+        if block is None:
+            if len(self._blocks) >= KEPT_BLOCKS:
+                del self._blocks[min(self._blocks)]
             first = max(0, start - BEHIND_TICKS)
-            self._block = self._rows(first, start - first + BLOCK_TICKS + self._ahead + 1)
-            self._from = start
-        return self._block
+            block = self._rows(first, start - first + BLOCK_TICKS + self._ahead + 1)
+            self._blocks[start] = block
+        return block
 
     def positions(self, t: FloatArray) -> FloatArray:
         """Where the slots are at times t: (T, n, 2) [m]."""

@@ -5,7 +5,7 @@ It reads no clock. Who drives it (runtime/inprocess.py, world/process.py) decide
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +18,10 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
-from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
+from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
 from world.bodies.wheeled import WheeledBodies
 from world.faults import FaultState
 from world.trace import Trace
-
-Mode = Literal["lockstep", "realtime"]
 
 WATCHDOG = 0.2
 """A robot to which no new command has come for so long stops [s], as a real base controller makes it."""
@@ -102,14 +100,19 @@ class World:
     def tick(self) -> Tick:
         """What the agents are told now; the same message until `advance`."""
         if self._tick is None:
+            measured = self.plant.measure()
             self._tick = Tick(
                 sender=WORLD,
                 seq=self.k,
                 stamp=self.now,
                 episode=self.episode,
                 revision=self.revision,
-                poses=self.plant.measure(),
+                odometry=self.plant.odometry,
                 planned=self._planned,
+                measured=measured.tick if measured else None,
+                poses=measured.poses if measured else NO_POSES,
+                localised=measured.localised if measured else [],
+                relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
             )
         return self._tick

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.kernels.unicycle import sample
+from agents.kernels.window_filter import Table
 from formation.arrays import FloatArray
-from formation.pattern import rotate, upstream
+from formation.pattern import downstream, rotate, upstream
 from formation.reference import Block, Reference
 from formation.scenario.scenario import Scenario
 
@@ -17,12 +18,17 @@ AS_PRINTED = ("paper", "leader_follower")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HorizonReference:
-    """The reference of a pair over one horizon; robot i is row 0, its upstream neighbour row 1."""
+    """The reference over one horizon: of robot i, its upstream neighbour, that one's, and the downstream neighbour."""
 
     slots: FloatArray
-    """(N + 1, 2, 3) [m, m, rad]."""
+    """(N + 1, 4, 3) [m, m, rad]."""
     inputs: FloatArray
-    """(N, 2, 2) that keep to the slots [m/s, rad/s]."""
+    """(N, 4, 2) that keep to the slots [m/s, rad/s]."""
+
+    @property
+    def pair(self) -> tuple[FloatArray, FloatArray]:
+        """Slots (N + 1, 2, 3) and inputs (N, 2, 2) of robot i and its upstream neighbour, contiguous."""
+        return np.ascontiguousarray(self.slots[:, :2]), np.ascontiguousarray(self.inputs[:, :2])
 
 
 class Pair:
@@ -31,7 +37,10 @@ class Pair:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         controller = scenario.controller
         other = upstream(robot, scenario.size)
-        self.reference: Reference = scenario.reference([robot, other], rounded=controller.name not in AS_PRINTED)
+        self.further = upstream(other, scenario.size)
+        """The upstream neighbour of the upstream neighbour."""
+        columns = [robot, other, self.further, downstream(robot, scenario.size)]
+        self.reference: Reference = scenario.reference(columns, rounded=controller.name not in AS_PRINTED)
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])
@@ -39,12 +48,20 @@ class Pair:
         """How far the robot's reference time is behind the clock [s] (agents/controllers/progress.py)."""
         self.pace = 1.0
         """At which rate its reference time runs over the horizon."""
+        self._table: tuple[Block, Table] | None = None
         self._ahead: tuple[tuple[int, float, float], HorizonReference] | None = None
 
     def block(self, k: int) -> tuple[Block, int]:
         """The reference's block for tick k and the row of k in it. Column 0 is the robot, 1 its neighbour."""
         block = self.reference.block(k)
         return block, k - block.first
+
+    def table(self, k: int) -> Table:
+        """The reference around tick k as compiled code takes it."""
+        block = self.reference.block(max(k, 0))
+        if self._table is None or self._table[0] is not block:
+            self._table = block, Table(block.slots, block.inputs, block.first)
+        return self._table[1]
 
     def target(self, k: int) -> tuple[FloatArray, float]:
         """The robot's slot (3,) at tick k, a little earlier if between ticks, and that slot's speed at full pace."""
@@ -57,7 +74,7 @@ class Pair:
         if self._ahead is None or self._ahead[0] != key:
             at = self._row(k)
             block, row = self.block(math.floor(at))
-            slots, inputs = np.empty((self.horizon + 1, 2, 3)), np.empty((self.horizon, 2, 2))
+            slots, inputs = np.empty((self.horizon + 1, 4, 3)), np.empty((self.horizon, 4, 2))
             between = row + (at - math.floor(at))
             sample(block.slots, block.inputs, between, self.stride, self.pace, slots, inputs)
             self._ahead = key, HorizonReference(slots, inputs)
@@ -71,7 +88,7 @@ class Pair:
     def offsets(self, k: int) -> FloatArray:
         """Where both slots are in the frame of the path at tick k, by the clock: (2, 2) [m]."""
         block, row = self.block(k)
-        return rotate(-block.centre[row, 2], block.slots[row, :, :2] - block.centre[row, :2])
+        return rotate(-block.centre[row, 2], block.slots[row, :2, :2] - block.centre[row, :2])
 
     def _row(self, k: int) -> float:
         return k - self.lag / self.tick

@@ -8,6 +8,7 @@ import numpy as np
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal
 from formation.scenario.scenario import Scenario
+from network.messages import NO_PLACES
 from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
 
 OUTLIER_HEADING = 0.25
@@ -26,9 +27,6 @@ class Measured:
     """Numbers of the robots whose localisation delivered."""
     relatives: FloatArray
     """(n or 0, 2) position of the upstream neighbour in the own frame [m]; no rows without relative sensing."""
-
-
-NOTHING: FloatArray = frozen(np.zeros((0, 2)))
 
 
 class Sensors:
@@ -70,7 +68,7 @@ class Sensors:
             seen = np.array(seen)
             seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
         sigma = self._nominal.relative
-        relatives = NOTHING if sigma is None else frozen(_relative(poses) + sigma * self._relative.at(tick))
+        relatives = NO_PLACES if sigma is None else frozen(_relative(poses) + sigma * self._relative.at(tick))
         return Measured(tick, frozen(seen), robots, relatives)
 
 

@@ -1,150 +1,235 @@
-"""One robot's mind, without any I/O: plans and ticks in, a plan and a command out.
+"""The agent of one robot, without any I/O: measurements and plans in, a command and a plan out.
 
 The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
 """
 
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
-from agents.belief import Belief
-from agents.controllers.interface import Controller, Observation, Solution
+from agents.belief import PlanReceiver
+from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.nash import Game
-from agents.controllers.pair import Pair
+from agents.controllers.pair import AS_PRINTED, Pair
 from agents.controllers.registry import controller_for
-from formation import unicycle
+from agents.estimator import Estimate, Estimator, LatestPose, Measurement, WindowEstimator
+from agents.motor_model import MotorModel
 from formation.arrays import FloatArray
-from formation.errors import WireError
 from formation.faults import PERFECT, Fault
-from formation.pattern import upstream
+from formation.pattern import downstream, upstream
 from formation.scenario.registry import AGEING
 from formation.scenario.scenario import Scenario
-from network.codec import decode, encode
-from network.link import Arrival, Link, damaged
-from network.messages import Command, LinkCounts, Plan, Status
-
-REMEMBERED_COMMANDS = 1024
-"""Own commands kept to carry an old pose forward; 10 s at 100 Hz."""
+from network.link import Link
+from network.messages import Command, LinkCounts, Plan, Status, Tick
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """What an agent says at a tick."""
+    """What an agent publishes at a tick."""
 
     command: Command
     plan: Plan | None
-    """For the downstream neighbour, on a planning tick."""
+    """For its neighbours, on a planning tick."""
 
 
 class Agent:
-    """The mind of one robot for one flight."""
+    """The agent of one robot for one episode."""
 
     def __init__(
         self, scenario: Scenario, robot: int, *, episode: int = 0, controller: Controller | None = None
     ) -> None:
-        """An agent at the start of a flight.
+        """An agent at the start of an episode.
 
         Args:
-            scenario: what is flown.
+            scenario: of the run.
             robot: its number, from 1.
-            episode: put into every message; plans with another one are not for this flight.
+            episode: put into every message; plans with another one are not for this episode.
             controller: instead of the scenario's own for this robot (agents/controllers/centralised.py).
         """
-        self.robot, self.episode = robot, episode
+        own = scenario.controller
+        self.robot, self.episode, self.size = robot, episode, scenario.size
         self.upstream = upstream(robot, scenario.size)
-        self.planning = scenario.controller.plan_every
+        self.planning = own.plan_every
         self._pair = Pair(scenario, robot)
         self._game = Game(scenario, robot, self._pair)
         self._controller = controller or controller_for(scenario, robot, self._pair)
-        self._ages = scenario.controller.age_plans
-        if self._ages is None:
-            self._ages = scenario.controller.name in AGEING
-        self._belief = Belief()
-        self._plans: Link[Plan] = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
-        self._poses: Link[FloatArray] = Link(scenario.seed, "world", str(robot))
-        self._pose: tuple[int, FloatArray] | None = None
-        self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
-        self._last: tuple[int, Solution, FloatArray] | None = None
+        self._ages = own.name in AGEING if own.age_plans is None else own.age_plans
+        self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
+        if own.name == "nash" and own.game == "response" and own.hears == "both" and scenario.size > 2:
+            self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
+        self._motors = MotorModel(scenario, self._pair.limits)
+        raw = own.name in AS_PRINTED or not scenario.estimator.enabled
+        self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
+        self._compensates = scenario.estimator.disturbances and not raw
+        self._measurements: Link[Measurement] = Link(scenario.seed, "world", str(robot))
+        self._speed: FloatArray = np.zeros(2)
+        self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
         self._said: Plan | None = None
-        self._heard = -1
-        self._corrupt = 0
+        self._acting = 0.0
         self._solves: list[float] = []
+
+    def _filter(self, scenario: Scenario) -> WindowEstimator:
+        own = scenario.controller
+        sees = (own.name == "nash" and own.game == "response") or (own.name == "virtual_structure" and own.sees)
+        return WindowEstimator(scenario, self._pair, self._motors, sees=sees, listens=own.name == "nash")
 
     def set_faults(self, faults: Mapping[str, Fault]) -> None:
         """Which faults the links to this robot have from now on; a link that is not named is perfect."""
-        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
-        self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
+        for receiver in self._receivers:
+            receiver.set_fault(faults.get(f"{receiver.sender}->{self.robot}", PERFECT))
+        self._measurements.fault = faults.get(f"world->{self.robot}", PERFECT)
+
+    @property
+    def hears(self) -> list[int]:
+        """Whose plans it takes."""
+        return [receiver.sender for receiver in self._receivers]
 
     @property
     def heard(self) -> int:
         """seq of the newest plan of the upstream neighbour that came in physically; -1 before the first."""
-        return self._heard
+        return self._receivers[0].newest
+
+    def lacks(self, tick: Tick) -> bool:
+        """Whether a plan of the tick before, which has been sent to it, has not come in yet."""
+        return any(receiver.sender in tick.planned and receiver.newest < tick.seq - 1 for receiver in self._receivers)
 
     def receive(self, plan: Plan) -> None:
-        """A plan of the upstream neighbour came in physically; now it enters the faulty link.
+        """A plan of a neighbour came in physically; now it enters the faulty link.
 
-        A plan of another flight, of somebody else, or one that was there before is ignored.
+        A plan of another episode, of somebody else, or one that was there before is ignored.
         """
-        if plan.episode == self.episode and plan.sender == self.upstream and plan.seq > self._heard:
-            self._heard = plan.seq
-            # Bursts are counted in messages, and there is one every `planning` ticks.
-            self._plans.push(plan.seq // self.planning, plan.stamp, plan)
+        for receiver in self._receivers:
+            if plan.episode == self.episode and plan.sender == receiver.sender:
+                receiver.push(plan)
 
-    def step(self, k: int, stamp: float, pose: FloatArray) -> Answer:
-        """Answer tick k.
-
-        Args:
-            k: number of the tick; grows from call to call.
-            stamp: its simulated time [s].
-            pose: (3,) measured at this tick [m, m, rad].
-        """
-        for arrival in self._plans.pop(stamp):
-            try:
-                self._belief.receive(_read(arrival))
-            except WireError:
-                self._corrupt += 1
-        age = self._belief.seconds_old(stamp)
-        own = self._own_pose(k, stamp, pose)
-        if own is None:  # who does not know where it is does not move
-            return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-        plan = None
-        solve = 0.0
+    def step(self, tick: Tick) -> Answer:
+        """Answer a tick; its number grows from call to call."""
+        k, stamp = tick.seq, tick.stamp
+        for receiver in self._receivers:
+            if receiver.pop(stamp) and receiver is self._receivers[0]:
+                plan = receiver.belief.plan
+                assert plan is not None
+                self._estimator.hear(plan)
+        self._measure(tick)
+        age = self._receivers[0].belief.seconds_old(stamp)
+        plan, solve = None, 0.0
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
-            solution = self._plan(k, stamp, own)
+            own = self._estimator.estimate(k, self._receivers[0].belief.plan)
+            if own is None:  # who does not know where it is does not move
+                return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
+            plan = self._said = self._plan(k, stamp, own)
             solve = perf_counter() - began
             self._solves.append(solve)
-            plan = self._said = Plan(
-                self.robot,
-                k,
-                stamp,
-                self.episode,
-                own,
-                self._pair.interval,
-                solution.inputs,
-                solution.lag,
-                solution.lag_rate,
-            )
         v, omega = self._input(k)
-        self._commands.append((k, v, omega))
+        self._motors.command(k, v, omega)
         return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
+
+    def _measure(self, tick: Tick) -> None:
+        """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
+        k, row = tick.seq, self.robot - 1
+        if k > 0:
+            self._acting = float(self._motors.commands[(k - 1 - self._motors.delay) % len(self._motors.commands), 0])
+            self._speed = tick.odometry[row]
+            self._estimator.roll(k, self._speed)
+        elif self._last is None:
+            self._speed = tick.odometry[row]
+            self._estimator.begin(self._speed)
+        measurement = None
+        if tick.measured is not None:
+            pose = tick.poses[row] if self.robot in tick.localised else None
+            relative = tick.relatives[row] if len(tick.relatives) else None
+            measurement = Measurement(tick.measured, pose, relative)
+        if self._measurements.transparent:
+            if measurement is not None:
+                self._estimator.sense(measurement)
+            return
+        if measurement is not None:
+            self._measurements.push(k, tick.stamp, measurement)
+        for arrival in self._measurements.pop(tick.stamp):
+            if arrival.damage is None:
+                self._estimator.sense(arrival.message)
+
+    def _plan(self, k: int, stamp: float, own: Estimate) -> Plan:
+        """Decide what to do, and say it."""
+        pair, at = self._pair, k + self._motors.delay
+        begins = stamp + self._motors.delay * pair.tick
+        slot, tail = pair.slot(at, 1)
+        belief = self._receivers[0].belief
+        aged = belief.aged(begins, slot, tail) if self._ages else belief.as_if_fresh(slot, tail)
+        other = None
+        if len(self._receivers) > 1:
+            other = self._receivers[1].belief.aged(begins, *pair.slot(at, 3))
+        observation = Observation(
+            at,
+            own.pose,
+            self._sighted(at, aged),
+            other,
+            own.speed,
+            own.disturbance,
+            own.covariance,
+            own.alarm_age,
+            self._acting - float(self._speed[0]) if k > 0 else 0.0,
+            self._motors.lag,
+        )
+        solution = self._controller.plan(observation)
+        less = own.disturbance[[0, 2]] if self._compensates else np.zeros(2)
+        self._last = (k, solution, own.pose, less)
+        inputs = solution.inputs if solution.motion is None else solution.motion
+        lateral = float(own.disturbance[1]) if self._compensates else 0.0
+        theta = float(own.pose[2])
+        return Plan(
+            sender=self.robot,
+            seq=k,
+            stamp=stamp,
+            episode=self.episode,
+            begins=begins,
+            pose=own.pose,
+            interval=pair.interval,
+            inputs=inputs,
+            lag=solution.lag,
+            lag_rate=solution.lag_rate,
+            waits=solution.waits,
+            drift=np.array([-lateral * np.sin(theta), lateral * np.cos(theta)]),
+            twist=own.twist,
+            disturbance=own.disturbance[[0, 2]],
+            odometry=self._estimator.odometry(),
+            measurements=self._estimator.measurements(),
+            news=solution.news,
+        )
+
+    def _sighted(self, at: int, aged: NeighborEstimate) -> NeighborEstimate:
+        """The upstream neighbour as it is seen, where it is."""
+        if not self._estimator.sees:
+            return aged
+        pose, drift = self._estimator.neighbour(at, aged.plan)
+        return NeighborEstimate(pose, aged.inputs, aged.plan, aged.age, drift, seen=True)
+
+    def _input(self, k: int) -> tuple[float, float]:
+        """The command for tick k: the last plan's input, less what disturbs the robot, within the limits."""
+        assert self._last is not None
+        made, solution, _, less = self._last
+        j = min((k - made) // self._pair.stride, len(solution.inputs) - 1)
+        v_max, omega_max = self._pair.limits
+        v, omega = float(solution.inputs[j, 0]) - float(less[0]), float(solution.inputs[j, 1]) - float(less[1])
+        return min(max(v, -v_max), v_max), min(max(omega, -omega_max), omega_max)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """How it is doing at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
+        belief = self._receivers[0].belief
         return Status(
             sender=self.robot,
             seq=k,
             stamp=stamp,
             episode=self.episode,
             link=f"{self.upstream}->{self.robot}",
-            age=self._belief.seconds_old(stamp),
+            age=belief.seconds_old(stamp),
             plan=self._said,
-            held=self._belief.plan,
+            held=belief.plan,
             counts=self.counts(),
             solve=solve,
             missed=missed,
@@ -154,62 +239,15 @@ class Agent:
         )
 
     def counts(self) -> LinkCounts:
-        """What became of the plans sent to this robot."""
-        counts = self._plans.counts
-        return LinkCounts(
-            sent=counts.sent,
-            delivered=counts.delivered,
-            lost=counts.lost,
-            late=self._belief.late,
-            corrupt=self._corrupt,
-            duplicated=counts.duplicated,
-            in_flight=counts.in_flight,
-        )
-
-    def _plan(self, k: int, stamp: float, own: FloatArray) -> Solution:
-        slot, tail = self._pair.slot(k, 1)
-        aged = self._belief.aged(stamp, slot, tail) if self._ages else self._belief.as_if_fresh(slot, tail)
-        solution = self._controller.plan(Observation(k, own, aged))
-        self._last = (k, solution, own)
-        return solution
-
-    def _input(self, k: int) -> tuple[float, float]:
-        """The input of the last plan for tick k."""
-        assert self._last is not None
-        made, solution, _ = self._last
-        inputs = solution.inputs
-        j = min((k - made) // self._pair.stride, len(inputs) - 1)
-        return float(inputs[j, 0]), float(inputs[j, 1])
-
-    def _own_pose(self, k: int, stamp: float, measured: FloatArray) -> FloatArray | None:
-        """Where the robot is: the newest pose that came through, carried forward along the own commands."""
-        if self._poses.transparent:
-            self._pose = (k, measured)
-            return measured
-        self._poses.push(k, stamp, measured)
-        for arrival in self._poses.pop(stamp):
-            if arrival.damage is None and (self._pose is None or arrival.seq > self._pose[0]):
-                self._pose = (arrival.seq, arrival.message)
-        if self._pose is None:
-            return None
-        x, y, theta = self._pose[1]
-        for at, v, omega in self._commands:
-            if at >= self._pose[0]:
-                x, y, theta = unicycle.step(x, y, theta, v, omega, self._pair.tick)
-        return np.array([x, y, theta])
+        """What became of the plans sent to this robot by its upstream neighbour."""
+        return self._receivers[0].counts()
 
     def _gap(self, k: int, stamp: float) -> float:
         if self._last is None or self._last[0] != k:
             return 0.0
-        _, solution, own = self._last
-        slot, tail = self._pair.slot(k, 1)
-        other = self._belief.aged(stamp, slot, tail)
+        _, solution, own, _ = self._last
+        at = k + self._motors.delay
+        slot, tail = self._pair.slot(at, 1)
+        other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._pair.tick, slot, tail)
         poses = np.concatenate([own, other.pose])
-        return self._game.gap(k, poses, np.hstack([solution.inputs, other.inputs]))
-
-
-def _read(arrival: Arrival[Plan]) -> Plan:
-    """The plan that arrived. Raises WireError if its bytes were damaged."""
-    if arrival.damage is None:
-        return arrival.message
-    return decode(Plan, damaged(encode(arrival.message), arrival.damage))
+        return self._game.gap(at, poses, np.hstack([solution.inputs, other.inputs]))

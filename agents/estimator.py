@@ -10,10 +10,10 @@ from typing import Protocol
 
 import numpy as np
 
-from agents.kernels.look_ahead import look_ahead, neighbour_ahead
-from agents.kernels.window_filter import Heard, Table, hear, newest_rows, update
-from agents.kernels.window_state import HEARD, LENGTH, SIGHT, Tuning, Window, start, tuning
 from agents.controllers.pair import Pair
+from agents.kernels.look_ahead import look_ahead, neighbour_ahead
+from agents.kernels.window_filter import Heard, hear, newest_rows, update
+from agents.kernels.window_state import HEARD, LENGTH, SIGHT, Tuning, Window, start, tuning
 from agents.motor_model import MotorModel
 from formation import unicycle
 from formation.arrays import FloatArray
@@ -60,12 +60,37 @@ class Estimate:
 class Estimator(Protocol):
     """Takes odometry and measurements tick by tick; says where the robot is."""
 
+    def begin(self, speed: FloatArray) -> None:
+        """Wheel speeds (2,) at tick 0."""
+        ...
+
     def roll(self, k: int, speed: FloatArray) -> None:
         """Odometry (2,) of tick k - 1, which has just ended."""
         ...
 
     def sense(self, measurement: Measurement) -> None:
         """A measurement came in."""
+        ...
+
+    @property
+    def sees(self) -> bool:
+        """Whether it knows the upstream neighbour by sight."""
+        ...
+
+    def hear(self, plan: Plan) -> None:
+        """The newest plan of the upstream neighbour, for the measurements that it carries."""
+        ...
+
+    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
+        """The upstream neighbour at tick k as it is seen: pose (3,), and drift (2,) in the world frame [m/s]."""
+        ...
+
+    def odometry(self) -> FloatArray:
+        """(H, 3) what `Plan.odometry` carries."""
+        ...
+
+    def measurements(self) -> FloatArray:
+        """(m, 9) what `Plan.measurements` carries."""
         ...
 
     def estimate(self, k: int, heard: Plan | None) -> Estimate | None:
@@ -81,17 +106,18 @@ class Estimator(Protocol):
 class WindowEstimator:
     """One joint filter over the own robot and those upstream, fed with raw measurements at their own stamps."""
 
-    def __init__(self, scenario: Scenario, pair: Pair, motors: MotorModel, *, listens: bool) -> None:
+    def __init__(self, scenario: Scenario, pair: Pair, motors: MotorModel, *, sees: bool, listens: bool) -> None:
         """A robot that does not know where it is, unless robots start in formation.
 
         Args:
             scenario: of the run.
             pair: the robot's task; its columns are the blocks of the window.
             motors: its commands and their delay.
+            sees: whether the controller uses sight of the upstream neighbour, where the bodies have it.
             listens: whether the neighbour's measurements come with its plans; else it is only seen.
         """
         wish, body = scenario.estimator, scenario.nominal
-        self.sees = wish.relative and body.relative is not None
+        self.sees = sees and wish.relative and body.relative is not None
         """Whether the upstream neighbour is in the window."""
         self.blocks = min(wish.window, scenario.size) if self.sees else 1
         """W, robots in the window."""
@@ -109,6 +135,9 @@ class WindowEstimator:
         self._speed = STILL
         self._heard: tuple[int, Heard] | None = None
         self._silent = Heard(False, 0.0, 1.0, np.zeros((1, 2)), STILL, STILL)
+
+    def begin(self, speed: FloatArray) -> None:
+        self._speed = speed
 
     def roll(self, k: int, speed: FloatArray) -> None:
         self._motors.observe(k - 1, self._speed, speed)
@@ -167,9 +196,7 @@ class WindowEstimator:
             twist,
         )
         alarm = (k - self._tuning.late - int(window.alarm[0])) * self._dt
-        return Estimate(
-            pose, speed, twist, window.copy_mean[0, 3:].copy(), window.copy_cov[:3, :3].copy(), alarm
-        )
+        return Estimate(pose, speed, twist, window.copy_mean[0, 3:].copy(), window.copy_cov[:3, :3].copy(), alarm)
 
     def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
         """The upstream neighbour at tick k as it is seen: pose (3,), and drift (2,) in the world frame [m/s].
@@ -205,21 +232,23 @@ class WindowEstimator:
             return self._silent
         dt = self._dt
         here = (k + self._motors.delay) * dt - heard.begins < len(heard.inputs) * heard.interval
-        return Heard(
-            here, heard.begins / dt, heard.interval / dt, heard.inputs, heard.twist, heard.disturbance
-        )
+        arrays = (heard.inputs.copy(), heard.twist.copy(), heard.disturbance.copy())  # decoded ones are read-only
+        return Heard(here, heard.begins / dt, heard.interval / dt, *arrays)
 
 
 class LatestPose:
     """The newest measured pose as it is, carried on along odometry if it is late."""
 
-    blocks, sees = 1, False
+    sees = False
 
     def __init__(self, scenario: Scenario) -> None:
         self._dt = scenario.control_interval
         self._newest: tuple[int, FloatArray] | None = None
         self._odometry = np.zeros((LENGTH, 2))
         self._speed = STILL
+
+    def begin(self, speed: FloatArray) -> None:
+        self._speed = speed
 
     def roll(self, k: int, speed: FloatArray) -> None:
         self._odometry[(k - 1) % LENGTH] = speed
@@ -232,7 +261,8 @@ class LatestPose:
     def estimate(self, k: int, heard: Plan | None) -> Estimate | None:
         if self._newest is None or k - self._newest[0] >= LENGTH:
             return None
-        tick, pose = self._newest
+        tick, measured = self._newest
+        pose = measured.copy()
         if tick < k:
             x, y, theta = pose
             for t in range(tick, k):
@@ -244,12 +274,11 @@ class LatestPose:
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""
 
+    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
+        raise NotImplementedError("expected an estimator that sees")
+
     def odometry(self) -> FloatArray:
         return NO_SUMS
 
     def measurements(self) -> FloatArray:
         return NO_MEASUREMENTS
-
-
-
-

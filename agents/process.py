@@ -107,20 +107,20 @@ class AgentNode:
                 self._say(answer)
         self._repeat = False
         agent = self._agent
-        if len(tick.poses) != self._size:
-            self._rejects.add("tick", f"expected {self._size} poses; got {len(tick.poses)}")
+        if len(tick.odometry) != self._size:
+            self._rejects.add("tick", f"expected {self._size} poses; got {len(tick.odometry)}")
             self._tick = None
             return
         if agent is None or tick.seq <= self._answered:  # not a robot of this scenario, or nothing new
             self._tick = None
             return
         self._hear(agent, tick)
-        if self._lockstep and agent.upstream in tick.planned and agent.heard < tick.seq - 1:
+        if self._lockstep and agent.lacks(tick):
             return
         self._tick = None
         if not self._lockstep and self._answered >= 0:
             self._missed += tick.seq - self._answered - 1
-        answer = agent.step(tick.seq, tick.stamp, tick.poses[self._robot - 1])
+        answer = agent.step(tick)
         self._answered = tick.seq
         self._answers.append(answer)
         self._say(answer)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field, PlainValidator
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, frozen
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -23,11 +23,11 @@ Mode = Literal["lockstep", "realtime"]
 _STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
-def _array(columns: int, rows: int | None = None) -> PlainValidator:
-    """Accepts little-endian float64 bytes of so many columns (and rows); gives a read-only finite array."""
+def _array(columns: int, rows: int | None = None, *, least: int = 1) -> PlainValidator:
+    """Accepts little-endian float64 bytes of so many columns (and rows, at least so many); a read-only finite array."""
 
     def validate(data: object) -> FloatArray:
-        if not isinstance(data, bytes) or not data or len(data) % (8 * columns):
+        if not isinstance(data, bytes) or len(data) < 8 * columns * least or len(data) % (8 * columns):
             raise ValueError(f"expected bytes of {columns} float64 columns")
         array = _numbers(data)
         if rows is not None and array.size != rows * columns:
@@ -52,6 +52,18 @@ Pose = Annotated[FloatArray, _array(3, 1)]
 """(3,) [m, m, rad]."""
 Inputs = Annotated[FloatArray, _array(2)]
 """(N, 2) v, omega [m/s, rad/s]."""
+Velocity = Annotated[FloatArray, _array(2, 1)]
+"""(2,) [m/s, m/s] in the world frame, or [m/s, rad/s] of the body."""
+MaybePoses = Annotated[FloatArray, _array(3, least=0)]
+"""(n or 0, 3) [m, m, rad]."""
+Places = Annotated[FloatArray, _array(2, least=0)]
+"""(n or 0, 2) [m, m]."""
+Sums = Annotated[FloatArray, _array(3, least=0)]
+"""(hops, 3) integrals of v and omega [m, rad] and the ticks in them."""
+Measurements = Annotated[FloatArray, _array(9, least=0)]
+"""(m, 9) hop, tick, 1 if localised, x, y, theta, 1 if related, x, y."""
+News = Annotated[FloatArray, _array(4, least=0)]
+"""(m, 4) robot row, need [s], its rate, tick."""
 Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
@@ -62,6 +74,12 @@ NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
 Text = Annotated[str, Field(strict=True, max_length=65536)]
 LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
 Flag = Annotated[bool, Field(strict=True)]
+
+
+STILL: FloatArray = frozen(np.zeros(2))
+NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 3))
+NO_MEASUREMENTS, NO_NEWS = (frozen(np.zeros((0, columns))) for columns in (9, 4))
+"""Nothing, of each shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,10 +93,18 @@ class Tick:
     episode: Count
     revision: Count
     """Number of the `Setup` that is valid from this tick on."""
-    poses: Poses
-    """Measured poses of all robots. An agent reads its own row only."""
+    odometry: Inputs
+    """(n, 2) wheel speeds of all robots over the tick before. Of this and the rest an agent reads its own row only."""
     planned: list[Sender]
     """Robots that sent a plan at tick k - 1. In lockstep the one downstream waits for it."""
+    measured: Count | None
+    """The tick that the sensors measured; None if none delivers now."""
+    poses: MaybePoses
+    """(n, 3) localised poses; no rows if `measured` is None."""
+    localised: list[Sender]
+    """Robots whose localisation delivers."""
+    relatives: Places
+    """(n, 2) position of the upstream neighbour in the own frame; no rows without relative sensing."""
     last: Flag = False
     """Whether this is the last tick of the episode."""
     __pydantic_config__ = _STRICT
@@ -93,15 +119,32 @@ class Plan:
     """k of the tick it answers."""
     stamp: NonNegative
     episode: Count
+    begins: NonNegative
+    """When the plan begins: `stamp` plus the time after which the sender's commands have an effect [s]."""
     pose: Pose
-    """Pose of the sender at `stamp`, as measured or carried forward by it [m, m, rad]."""
+    """Pose of the sender when the plan begins, as it estimates it [m, m, rad]."""
     interval: Positive
     """Delta_T: how long each input is held [s]."""
     inputs: Inputs
+    """(N, 2) mean body velocities over the intervals."""
     lag: NonNegative = 0.0
     """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
     lag_rate: Real = 0.0
     """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
+    waits: Flag = False
+    """Whether it holds its lag up by its own need."""
+    drift: Velocity = field(default_factory=lambda: STILL)
+    """Estimated velocity that carries it sideways, in the world frame [m/s]."""
+    twist: Velocity = field(default_factory=lambda: STILL)
+    """Mean body velocity from `stamp` to `begins` [m/s, rad/s]."""
+    disturbance: Velocity = field(default_factory=lambda: STILL)
+    """What it estimates to disturb its v and omega [m/s, rad/s]."""
+    odometry: Sums = field(default_factory=lambda: NO_SUMS)
+    """Since the start: of the sender, then of the robots upstream of it that it passes on."""
+    measurements: Measurements = field(default_factory=lambda: NO_MEASUREMENTS)
+    """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
+    news: News = field(default_factory=lambda: NO_NEWS)
+    """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
     __pydantic_config__ = _STRICT
 
 

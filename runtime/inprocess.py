@@ -6,7 +6,7 @@ from typing import Any
 
 from agents.agent import Agent
 from agents.controllers.centralised import Team
-from formation.pattern import downstream
+from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
 from world.trace import Trace
@@ -29,6 +29,7 @@ class Simulation:
         self._team = Team(scenario) if scenario.controller.name == "centralised" else None
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
+        self._both = any(len(agent.hears) > 1 for agent in self.agents.values())
         self._revision = -1
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
 
@@ -58,9 +59,11 @@ class Simulation:
                 agent.set_faults(world.faults.table)
         for plan in self._plans:
             agents[downstream(plan.sender, len(agents))].receive(plan)
+            if self._both:
+                agents[upstream(plan.sender, len(agents))].receive(plan)
         if self._team:
             self._team.see(tick.seq, world.plant.poses)
-        answers = {robot: agent.step(tick.seq, tick.stamp, tick.poses[robot - 1]) for robot, agent in agents.items()}
+        answers = {robot: agent.step(tick) for robot, agent in agents.items()}
         if tick.last:
             for agent in agents.values():
                 world.hear(agent.status(tick.seq, tick.stamp))

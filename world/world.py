@@ -18,7 +18,20 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
-from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
+from network.messages import (
+    NO_PLACES,
+    NO_POSES,
+    WORLD,
+    Command,
+    Event,
+    LinkCounts,
+    Mode,
+    RunStatus,
+    Setup,
+    State,
+    Status,
+    Tick,
+)
 from world.bodies.wheeled import WheeledBodies
 from world.faults import FaultState
 from world.trace import Trace

@@ -101,6 +101,6 @@ class Member:
     def __init__(self, team: Team, robot: int) -> None:
         self._team, self._robot = team, robot
 
-    def plan(self, situation: Observation) -> Solution:
-        inputs, converged = self._team.plan(situation.k)
+    def plan(self, observation: Observation) -> Solution:
+        inputs, converged = self._team.plan(observation.k)
         return Solution(np.ascontiguousarray(inputs[:, self._robot - 1]), converged, self._team.lag)

@@ -34,14 +34,14 @@ class Consensus:
         speed = min(float(pair.limits[0]), float(pair.limits[1]) * self._reach)
         self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * pair.interval))
 
-    def plan(self, situation: Observation) -> Solution:
-        pair, upstream = self._pair, situation.upstream
-        slot, targets = pair.slot(situation.k, 0)
-        other_slot, other_targets = pair.slot(situation.k, 1)
+    def plan(self, observation: Observation) -> Solution:
+        pair, upstream = self._pair, observation.upstream
+        slot, targets = pair.slot(observation.k, 0)
+        other_slot, other_targets = pair.slot(observation.k, 1)
         known = upstream.plan is not None
         out = np.empty((pair.horizon, 2))
         roll_law(
-            situation.pose,
+            observation.pose,
             slot,
             np.ascontiguousarray(targets),
             upstream.pose,

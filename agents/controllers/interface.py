@@ -1,32 +1,59 @@
 """What a controller is given at a planning tick, what it returns, and the interface between them."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from formation.arrays import FloatArray
-from network.messages import Plan
+import numpy as np
+
+from formation.arrays import FloatArray, frozen
+from network.messages import NO_NEWS, STILL, Plan
+
+NONE: FloatArray = frozen(np.zeros(3))
+CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NeighborEstimate:
-    """The neighbour as a controller sees it at one tick."""
+    """A neighbour in the ring where the horizon begins."""
 
     pose: FloatArray
     """(3,) [m, m, rad]."""
     inputs: FloatArray
-    """(N, 2) from now on [m/s, rad/s]."""
+    """(N, 2) mean body velocities from there on [m/s, rad/s]."""
     plan: Plan | None
     """The message behind it; None before the first."""
+    age: float = math.inf
+    """Since that plan began [s], at least 0; inf without one, or when it has ended."""
+    drift: FloatArray = field(default_factory=lambda: STILL)
+    """(2,) what carries it sideways, in the world frame [m/s]."""
+    seen: bool = False
+    """Whether the pose comes from relative sensing, rather than from the plan alone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Where robot i stands, at tick k, beside what it believes of its upstream neighbour."""
+    """The robot where its plan begins, and what it knows of its neighbours. New fields have defaults."""
 
     k: int
+    """Tick at which the plan begins: now, and the time that commands need to have an effect."""
     pose: FloatArray
     """(3,) [m, m, rad]."""
     upstream: NeighborEstimate
+    downstream: NeighborEstimate | None = None
+    """None unless the controller hears both neighbours."""
+    speed: FloatArray = field(default_factory=lambda: STILL)
+    """(2,) speeds of the wheels there [m/s, rad/s]."""
+    disturbance: FloatArray = field(default_factory=lambda: NONE)
+    """(3,) estimated body velocity that no command makes: forward, lateral [m/s], turn [rad/s]."""
+    covariance: FloatArray = field(default_factory=lambda: CERTAIN)
+    """(3, 3) of the estimated pose."""
+    alarm_age: float = math.inf
+    """Since the last detection of a disturbance of the own robot [s]."""
+    gap: float = 0.0
+    """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
+    lag: float = 0.0
+    """Time constant of the wheels [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,17 +61,21 @@ class Solution:
     """What a controller decided."""
 
     inputs: FloatArray
-    """(N, 2) inputs over the horizon [m/s, rad/s]."""
+    """(N, 2) body velocities to command over the horizon [m/s, rad/s]."""
     converged: bool = True
     """False if the solver failed and the inputs are a fallback."""
     lag: float = 0.0
     lag_rate: float = 0.0
+    waits: bool = False
+    news: FloatArray = field(default_factory=lambda: NO_NEWS)
     """As in network.messages.Plan."""
+    motion: FloatArray | None = None
+    """(N, 2) mean body velocities that the inputs lead to, for the plan; the inputs themselves if None."""
 
 
 class Controller(Protocol):
     """Plans for one robot. It may remember its last plan; it reads no clock."""
 
-    def plan(self, situation: Observation) -> Solution:
+    def plan(self, observation: Observation) -> Solution:
         """Inputs from now on."""
         ...

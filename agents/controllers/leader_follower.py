@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution
-from agents.controllers.nash import Nash
+from agents.controllers.nash import PairGame
 from agents.controllers.pair import Pair
 from formation.arrays import FloatArray
 from formation.pattern import rotate
@@ -26,11 +26,11 @@ class Follower:
         self._gain_x, self._gain_theta = scenario.controller.gains
         self._misprinted, self._mended = 11 in scenario.controller.misprints, 13 in scenario.controller.errata
 
-    def plan(self, situation: Observation) -> Solution:
-        leader, pose = situation.upstream, situation.pose
+    def plan(self, observation: Observation) -> Solution:
+        leader, pose = observation.upstream, observation.pose
         v_l, omega_l = (float(leader.inputs[0, 0]), float(leader.inputs[0, 1])) if leader.plan else (0.0, 0.0)
         theta_l = float(leader.pose[2])
-        place = self._place(situation.k)
+        place = self._place(observation.k)
         gap = leader.pose[:2] + rotate(np.array(theta_l), place) - pose[:2]
         e_x, e_y = rotate(np.array(-pose[2]), gap)
         if self._mended:  # the place turns with the leader: its own speed and heading, not the leader's
@@ -59,9 +59,9 @@ class Leader:
     """Robot 1: `nash` with a neighbour that is always in its slot, so that nobody holds the leader back."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for nobody: it hears of nobody
+        self._pair, self._nash = pair, PairGame(scenario, robot, pair)  # it waits for nobody: it hears of nobody
 
-    def plan(self, situation: Observation) -> Solution:
-        slot, tail = self._pair.slot(situation.k, 1)
-        alone = type(situation.upstream)(slot, tail, None)
-        return self._nash.plan(Observation(situation.k, situation.pose, alone))
+    def plan(self, observation: Observation) -> Solution:
+        slot, tail = self._pair.slot(observation.k, 1)
+        alone = type(observation.upstream)(slot, tail, None)
+        return self._nash.plan(Observation(observation.k, observation.pose, alone))

@@ -8,13 +8,16 @@ import math
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.best_response import BestResponse, Weights
+from agents.controllers.interface import Controller, Observation, Solution
 from agents.controllers.pair import Pair
 from agents.controllers.progress import Progress
+from agents.controllers.waits import Waits
 from agents.kernels.pair_game import cost, improve
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
-from formation.scenario.scenario import Controller, Scenario
+from formation.scenario.scenario import Controller as Options
+from formation.scenario.scenario import Scenario
 
 PLACE = 30.0
 """Cost of a position error of one spacing."""
@@ -36,7 +39,7 @@ def weights(scenario: Scenario) -> tuple[list[float], list[float]]:
     """
     own, place = scenario.controller, PLACE / scenario.spacing**2
     if own.name not in ("nash", "centralised"):
-        own = Controller()
+        own = Options()
     pattern = own.formation * place
     # The tangential weight is divided by the pair's own distance squared: it is that of an angle.
     q = [place, place, HEADING, pattern, own.formation * PLACE, HEADING]
@@ -64,7 +67,7 @@ class Game:
             poses: (6,) of robot i and its neighbour.
             inputs: (N, 4) that both play.
         """
-        frozen_targets = self._pair.ahead(k).inputs.copy()
+        frozen_targets = self._pair.ahead(k).pair[1]
         frozen_targets[:, 1] = inputs[:, 2:]
         best = inputs
         for _ in range(3):
@@ -86,22 +89,36 @@ class Game:
 
     def _task(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
         """What both kernels are told of the task at tick k, in their order: slots, targets, dt, q."""
-        ahead = self._pair.ahead(k)
-        return ahead.slots, ahead.inputs if targets is None else targets, self._pair.interval, self._q
+        slots, inputs = self._pair.ahead(k).pair
+        return slots, inputs if targets is None else targets, self._pair.interval, self._q
 
 
-class Nash:
-    """The controller of one robot."""
+def nash(scenario: Scenario, robot: int, pair: Pair) -> Controller:
+    """The controller of one robot: a best response along the edges, or the paper's game of a pair."""
+    own = scenario.controller
+    if own.game == "pair":
+        return PairGame(scenario, robot, pair)
+    both = own.hears == "both"
+    trust = own.trust_time or (0.5 if both else 0.3)
+    speed, turn = own.r or (SPEED, 0.4)
+    waits = Waits(pair, robot, scenario.size, scenario.spacing) if own.waits else None
+    return BestResponse(
+        pair, scenario.spacing, Weights(own.own_weight, speed, turn, trust), waits, sources=2 if both else 1
+    )
+
+
+class PairGame:
+    """The controller of one robot, after the paper: it plays its own part of the equilibrium with its neighbour."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
         self._pair, self._game = pair, Game(scenario, robot, pair)
         self._progress = Progress(pair, scenario.spacing) if scenario.controller.waits else None
         self._last: tuple[int, FloatArray] | None = None
 
-    def plan(self, situation: Observation) -> Solution:
-        pair, k = self._pair, situation.k
+    def plan(self, observation: Observation) -> Solution:
+        pair, k = self._pair, observation.k
         if self._progress:
-            self._progress.update(k, situation.pose, situation.upstream.plan)
+            self._progress.update(k, observation.pose, observation.upstream.plan)
         _, target = pair.slot(k, 0)
         nominal = np.empty((pair.horizon, 4))
         if self._last is None:
@@ -109,8 +126,8 @@ class Nash:
         else:
             made, inputs = self._last
             shift(inputs, (k - made) * pair.tick, pair.interval, target, nominal[:, :2])
-        nominal[:, 2:] = situation.upstream.inputs
-        poses = np.concatenate([situation.pose, situation.upstream.pose])
+        nominal[:, 2:] = observation.upstream.inputs
+        poses = np.concatenate([observation.pose, observation.upstream.pose])
         inputs, change = self._game.improve(k, poses, nominal)
         converged = math.isfinite(change)
         own = np.ascontiguousarray((inputs if converged else nominal)[:, :2])
@@ -118,5 +135,5 @@ class Nash:
             own = np.clip(np.nan_to_num(own), -pair.limits, pair.limits)
         self._last = (k, own)
         if self._progress:
-            self._progress.planned(situation.pose, own)
+            self._progress.planned(observation.pose, own)
         return Solution(own, converged, pair.lag, self._progress.lag_rate if self._progress else 0.0)

@@ -44,6 +44,10 @@ class Pair:
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])
+        self.every = controller.plan_every
+        """Ticks from one plan to the next."""
+        self.columns_of_sides = (1, 3)
+        """Columns of the upstream and the downstream neighbour."""
         self.lag = 0.0
         """How far the robot's reference time is behind the clock [s] (agents/controllers/progress.py)."""
         self.pace = 1.0
@@ -67,6 +71,15 @@ class Pair:
         """The robot's slot (3,) at tick k, a little earlier if between ticks, and that slot's speed at full pace."""
         block, row = self.block(math.floor(self._row(k)))
         return block.slots[row, 0], float(block.inputs[row, 0, 0])
+
+    def place(self, at: float) -> tuple[FloatArray, FloatArray]:
+        """The own slot (3,) at a tick that may lie between two, and its inputs (2,) at the one before."""
+        block, row = self.block(math.floor(at + 1e-9))
+        part = max(at - row - block.first, 0.0)
+        now, later = block.slots[row, 0], block.slots[row + 1, 0]
+        gap = later - now
+        gap[2] = math.atan2(math.sin(gap[2]), math.cos(gap[2]))
+        return now + part * gap, block.inputs[row, 0]
 
     def ahead(self, k: int) -> HorizonReference:
         """The reference from tick k on, by the robot's reference time."""

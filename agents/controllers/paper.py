@@ -38,19 +38,19 @@ class Paper:
         self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
         self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero
 
-    def plan(self, situation: Observation) -> Solution:
+    def plan(self, observation: Observation) -> Solution:
         pair = self._pair
-        block, row = pair.block(situation.k)
+        block, row = pair.block(observation.k)
         ahead = slice(row, row + pair.horizon * pair.stride + 1, pair.stride)
         ref = block.centre[ahead]
-        distance, angle, centre = self._pattern(situation.k)
+        distance, angle, centre = self._pattern(observation.k)
         psi_r = -ref[:, 2] if self._mirrored else ref[:, 2] + angle
         out = np.empty((pair.horizon, 2))
-        received = situation.upstream.inputs if situation.upstream.plan else np.zeros((pair.horizon, 2))
+        received = observation.upstream.inputs if observation.upstream.plan else np.zeros((pair.horizon, 2))
         plan(
-            situation.pose,
+            observation.pose,
             self._last,
-            situation.upstream.pose,
+            observation.upstream.pose,
             received,
             ref,
             psi_r,

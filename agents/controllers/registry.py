@@ -3,10 +3,10 @@
 from agents.controllers.consensus import Consensus
 from agents.controllers.interface import Controller
 from agents.controllers.leader_follower import Follower, Leader
-from agents.controllers.nash import Nash
+from agents.controllers.nash import nash
 from agents.controllers.pair import Pair
 from agents.controllers.paper import Paper
-from agents.controllers.virtual_structure import VirtualStructure
+from agents.controllers.virtual_structure import virtual_structure
 from formation.scenario.registry import refusal
 from formation.scenario.scenario import Scenario
 
@@ -19,13 +19,13 @@ def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
     """
     match scenario.controller.name:
         case "nash":
-            return Nash(scenario, robot, pair)
+            return nash(scenario, robot, pair)
         case "paper":
             return Paper(scenario, robot, pair)
         case "leader_follower":
             return Leader(scenario, robot, pair) if robot == 1 else Follower(scenario, robot, pair)
         case "virtual_structure":
-            return VirtualStructure(scenario, pair)
+            return virtual_structure(scenario, pair)
         case "consensus":
             return Consensus(scenario, pair)
         case "centralised":  # runtime/inprocess.py gives its agents their part in one

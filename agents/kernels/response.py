@@ -7,7 +7,7 @@ an interval is c + (v - c) m, with E = exp(-dt/tau) and m = (tau/dt)(1 - E). Wit
 import math
 from typing import NamedTuple
 
-from agents.kernels.jit import MATRIX, MATRIX_OUT, REAL, TABLE, VECTOR, kernel_for, named
+from agents.kernels.jit import MATRIX, MATRIX_OUT, REAL, TABLE_OUT, VECTOR, VECTOR_OUT, kernel_for, named
 from agents.kernels.motion import between, wrap_small
 from agents.kernels.unicycle import derivatives, step
 from formation.arrays import FloatArray
@@ -53,8 +53,8 @@ class Targets(NamedTuple):
 
 
 LAG = named(Lag, REAL, REAL)
-STAGE = named(Stage, REAL, VECTOR, REAL, VECTOR, VECTOR)
-TARGETS = named(Targets, MATRIX, MATRIX, TABLE, MATRIX, VECTOR)
+STAGE = named(Stage, REAL, VECTOR_OUT, REAL, VECTOR_OUT, VECTOR_OUT)
+TARGETS = named(Targets, MATRIX_OUT, MATRIX_OUT, TABLE_OUT, MATRIX_OUT, VECTOR_OUT)
 
 
 def lag_of(tau: float, dt: float) -> Lag:

@@ -27,7 +27,6 @@ from agents.kernels.jit import (
 from agents.kernels.motion import age_drifting, between
 from formation.arrays import FloatArray, IntArray
 
-
 CHARGE, LEAK = 0.1, 1.5
 """The integral: time constant of p [s], and what it loses [1/s]."""
 DONE = 0.005
@@ -104,7 +103,7 @@ class Self(NamedTuple):
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
 
 
-SELF = named(Self, WHOLE, REAL, VECTOR, REAL, REAL, REAL)
+SELF = named(Self, WHOLE, REAL, VECTOR_OUT, REAL, REAL, REAL)
 
 
 @kernel_for(NOTHING, WAIT, MATRIX)

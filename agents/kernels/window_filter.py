@@ -9,7 +9,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.kernels.jit import FLAG, MATRIX, MATRIX_OUT, NOTHING, REAL, TABLE, VECTOR, WHOLE, kernel, kernel_for, named
+from agents.kernels.jit import (
+    FLAG,
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    TABLE_OUT,
+    VECTOR_OUT,
+    WHOLE,
+    kernel,
+    kernel_for,
+    named,
+)
 from agents.kernels.motion import slot_at, wrap_small
 from agents.kernels.window_state import (
     DL,
@@ -60,7 +72,7 @@ class Table(NamedTuple):
     """Tick of row 0."""
 
 
-TABLE_OF_SLOTS = named(Table, TABLE, TABLE, WHOLE)
+TABLE_OF_SLOTS = named(Table, TABLE_OUT, TABLE_OUT, WHOLE)
 
 
 class Heard(NamedTuple):
@@ -80,7 +92,7 @@ class Heard(NamedTuple):
     """(2,) d_v, d_w that the sender estimates of itself [m/s, rad/s]."""
 
 
-HEARD_PLAN = named(Heard, FLAG, REAL, REAL, MATRIX, VECTOR, VECTOR)
+HEARD_PLAN = named(Heard, FLAG, REAL, REAL, MATRIX_OUT, VECTOR_OUT, VECTOR_OUT)
 
 
 @kernel_for(NOTHING, WINDOW, MATRIX, MATRIX, REAL)

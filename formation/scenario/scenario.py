@@ -89,6 +89,16 @@ class Controller(Model):
     formation: Positive = 0.3
     """How much the formation counts against the path (nash); everything else is derived from spacing and limits.
     More holds the pattern tighter and makes it depend more on fresh messages."""
+    game: Literal["response", "pair"] = "response"
+    """What `nash` plays: a best response along the edges, or the paper's game with its upstream neighbour."""
+    hears: Literal["upstream", "both"] = "upstream"
+    """Whose plans `nash` hears: the paper's directed ring, or both ring neighbours."""
+    own_weight: Positive = 120.0
+    """Cost of an error of one spacing from the own slot without trust (nash, virtual_structure)."""
+    trust_time: Positive | None = None
+    """Time constant with which trust in a plan fades with its age [s] (nash); by default 0.3, 0.5 with both."""
+    sees: bool = False
+    """Whether `virtual_structure` holds the edge to the neighbour that it senses."""
     waits: bool = True
     """Whether a robot waits for those that cannot keep up (nash)."""
     errata: tuple[Literal[1, 2, 3, 4, 5, 13, 14], ...] = ()

@@ -10,11 +10,15 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field, PlainValidator
 
+from formation import links
 from formation.arrays import FloatArray
+from formation.errors import FaultError
+from formation.faults import Fault
+from formation.links import LinkId
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = 0
+WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
 
 Mode = Literal["lockstep", "realtime"]
@@ -46,6 +50,19 @@ def _numbers(data: object) -> FloatArray:
     return array
 
 
+def _link(data: object) -> LinkId:
+    if isinstance(data, LinkId):
+        return data
+    if not isinstance(data, str):
+        raise ValueError("expected the name of a link")
+    try:
+        return LinkId.parse(data)
+    except FaultError as error:
+        raise ValueError(str(error)) from None
+
+
+Link = Annotated[LinkId, PlainValidator(_link)]
+"""A directed link; on the wire its text."""
 Poses = Annotated[FloatArray, _array(3)]
 """(n, 3) [m, m, rad]."""
 Pose = Annotated[FloatArray, _array(3, 1)]
@@ -153,7 +170,7 @@ class Status:
     seq: Count
     stamp: NonNegative
     episode: Count
-    link: Text
+    link: Link
     """Name of the link from its upstream neighbour."""
     age: NonNegative
     """Age of the newest plan that arrived over it [s]."""
@@ -229,7 +246,7 @@ class State:
     """Robots with a live agent."""
     stopped: list[Sender]
     """Robots that the watchdog has stopped."""
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """Every link that is not perfect, with the keys of formation.faults.Fault that differ from its default."""
     events: list[Event]
     """The newest events, oldest first."""
@@ -269,7 +286,7 @@ class Setup:
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """As in State."""
     __pydantic_config__ = _STRICT
 

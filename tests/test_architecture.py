@@ -34,6 +34,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"arrays", "errors", "units", "unicycle"},
         {"pattern", "validation"},
         {"shapes", "schema", "metrics"},
+        {"links"},
         {"formation_spec", "faults", "disturbances", "paths"},
         {"offsets"},
         {"orientation"},

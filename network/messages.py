@@ -12,9 +12,13 @@ from pydantic import ConfigDict, Field, PlainValidator
 
 from formation.arrays import FloatArray
 
-VERSION = 1
+VERSION = 2
+"""Of the wire: processes of another version refuse each other's bytes."""
 WORLD = 0
 """Sender number of the world; robots count from 1."""
+
+Mode = Literal["lockstep", "realtime"]
+"""Whether the world waits for every agent at every tick, or steps by the wall clock."""
 
 _STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -96,7 +100,7 @@ class Plan:
     inputs: Inputs
     lag: NonNegative = 0.0
     """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
-    drift: Real = 0.0
+    lag_rate: Real = 0.0
     """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
     __pydantic_config__ = _STRICT
 
@@ -195,7 +199,7 @@ class State:
     revision: Count
     scenario: Text
     controller: Text
-    mode: Literal["lockstep", "realtime"]
+    mode: Mode
     status: RunStatus
     waiting_for: list[Sender]
     """Robots without a live agent."""
@@ -264,7 +268,7 @@ class Setup:
     revision: Count
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
-    mode: Literal["lockstep", "realtime"]
+    mode: Mode
     faults: dict[str, dict[str, Any]]
     """As in State."""
     __pydantic_config__ = _STRICT

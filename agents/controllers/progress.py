@@ -1,11 +1,11 @@
 """Waiting: how far a robot's reference time is behind the clock, shared round the ring (docs/theory.md, section 6).
 
 A robot's reference is the scenario's at its own reference time, t - lag. A robot that falls behind its slot because it
-does not move as it planned holds its reference time back and sends this in its next plan (`lag`, and `drift`, the rate
-at which it changes its lag by itself); a robot that receives it holds back as well. Once all are in place again, they
-reduce their lags together, as fast as their limits allow. If no robot falls behind, every lag is exactly zero, and the
-reference is the scenario's. (A robot that is behind for another reason, such as a corner that it cannot follow, would
-lose by waiting.)
+does not move as it planned holds its reference time back and sends this in its next plan (`lag`, and `lag_rate`, the
+rate at which it changes its lag by itself); a robot that receives it holds back as well. Once all are in place again,
+they reduce their lags together, as fast as their limits allow. If no robot falls behind, every lag is exactly zero, and
+the reference is the scenario's. (A robot that is behind for another reason, such as a corner that it cannot follow,
+would lose by waiting.)
 
 A lag is only ever pulled up to one that another robot had, plus what that robot itself was about to add while its plan
 travelled. What a robot adds because it was pulled is not extrapolated: round a ring with delays that would amplify
@@ -55,7 +55,7 @@ class Progress:
         self._k = 0
         self._short = 0.0
         self._planned: tuple[FloatArray, FloatArray] | None = None
-        self.drift = 0.0
+        self.lag_rate = 0.0
         """Rate at which the robot changes its lag by itself; as in Plan."""
 
     def update(self, k: int, pose: FloatArray, plan: Plan | None) -> None:
@@ -72,8 +72,8 @@ class Progress:
         forward = math.copysign(1.0, speed)
         behind = min(forward * _along(slot[2], slot - pose), forward * self._shortfall(pose, elapsed))
         hold = min(max((behind / self._spacing - FREE) / WIDTH, 0.0), 1.0)
-        self.drift = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
-        change = elapsed * self.drift
+        self.lag_rate = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
+        change = elapsed * self.lag_rate
         ahead = self._others(k, plan) - pair.lag
         if ahead > 0.0:
             change += min(PULL * elapsed, 1.0) * ahead
@@ -105,7 +105,7 @@ class Progress:
         if plan is None:
             return 0.0
         age = k * self._pair.tick - plan.stamp
-        return plan.lag + plan.drift * age if age < len(plan.inputs) * plan.interval else 0.0
+        return plan.lag + plan.lag_rate * age if age < len(plan.inputs) * plan.interval else 0.0
 
 
 def _along(theta: float, gap: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""`echelon fault`: break and mend the links of a live run."""
+"""`echelon fault`: set and clear the faults of a live run's links."""
 
 import argparse
 import json
@@ -29,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     change.add_argument("--keep-order", action="store_true", default=None, help=_help("keep_order"))
     preset = actions.add_parser("preset", help="give a link a named fault")
     preset.add_argument("name", help=", ".join(PRESETS))
-    clear = actions.add_parser("clear", help="take back what was set, and what the schedule has on now")
+    clear = actions.add_parser("clear", help="remove what was set, and end the scheduled faults that are active now")
     show = actions.add_parser("show", help="every link that is not healthy")
     show.add_argument("--json", action="store_true", help="print one JSON object")
     for action in (change, preset, clear):
@@ -41,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do it, or show what there is."""
+    """Send the operation, or show the faults in force."""
     changes: dict[str, Any] = {}
     if options.action == "set":
         given = {key: getattr(options, key) for key in (*_KEYS, *_FLAGS)}

@@ -1,6 +1,6 @@
-"""What can be wrong with a link: the fault model's parameters, presets.
+"""The fault model of a link: its parameters, presets, and how they are shown.
 
-How a fault acts on messages stands in network/link.py; who decides which fault is on stands in world/faults.py.
+network/link.py applies a fault to messages; world/faults.py decides which fault is active at which tick.
 """
 
 from collections.abc import Mapping
@@ -74,14 +74,14 @@ class Fault(Model):
     corrupt: Annotated[Probability, Shown("corrupts {} %", "Corrupt", "%", 1e2, 100.0, 1.0, argument="SHARE")] = 0.0
     """Share of messages with flipped bytes."""
     cut: Annotated[bool, Shown("cut")] = False
-    """Nothing passes."""
+    """No message passes."""
 
     def plain(self) -> dict[str, Any]:
         """The keys that differ from a perfect link's."""
         return {key: value for key, value in self.model_dump().items() if value != Fault.model_fields[key].default}
 
     def words(self) -> str:
-        """In a few words for people."""
+        """A short description for the user."""
         if self.cut:
             return SHOWN["cut"].phrase
         return ", ".join(SHOWN[key].words(value) for key, value in self.plain().items()) or "healthy"

@@ -9,7 +9,8 @@ from formation.faults import Fault
 from formation.scenario.registry import ControllerName
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
-from network.messages import Link, Request
+from network.fields import Link
+from network.messages import Request
 
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 

@@ -42,7 +42,8 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"fields", "lifetime", "throttled_log", "run_folder"},
+        {"messages"},
         {"topics"},
         {"codec", "control", "link"},
         {"zenoh_bus", "reference"},

@@ -1,4 +1,4 @@
-"""The arrows between the rooms point one way, and some words are spoken in one room only (DESIGN sections 1 and 8)."""
+"""Imports between rooms point one way, and some modules are imported in one room only (docs/design.md, section 1)."""
 
 import ast
 import tomllib

@@ -9,7 +9,7 @@ from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from world.process import WorldNode
 from world.world import Mode, World
 
@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         scenario = load(options.scenario, options.settings)
         check_live(scenario.controller.name)
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.
             episode = secrets.randbits(32)

@@ -9,8 +9,8 @@ from typing import Any
 from dashboard.telemetry.mishaps import Mishaps
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
+from network.bus import Bus
 from network.control import Clear, Operation, SetFault
-from network.zenoh_bus import Session
 
 QUIET_SECONDS = 0.08
 """A slider that is dragged says many values; the one on which it rests is sent."""
@@ -23,7 +23,7 @@ Tell = Callable[[int | None, str, str], None]
 class RequestQueue:
     """Takes what people ask for, in order, and tells them if it was refused."""
 
-    def __init__(self, session: Session, feed: TelemetrySubscriber, tell: Tell) -> None:
+    def __init__(self, session: Bus, feed: TelemetrySubscriber, tell: Tell) -> None:
         self._session, self._feed, self._tell = session, feed, tell
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None wakes
         self._lock = threading.Lock()

@@ -10,7 +10,6 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
-from queue import Empty
 from time import monotonic
 from typing import Any
 
@@ -25,10 +24,10 @@ from formation.metrics import wrapped
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Bus, Sample
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Sample, Session
 
 SILENCE_SECONDS = 1.5
 """The world says its state twenty times a second; silent for so long, it is gone."""
@@ -64,7 +63,7 @@ class Seen:
 class TelemetrySubscriber:
     """Listens to a run: to what is meant for people, some hundred messages a second, however many plans there are."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Bus) -> None:
         """Subscribe; `start` then listens."""
         self._session = session
         self._lock = threading.Lock()
@@ -143,12 +142,9 @@ class TelemetrySubscriber:
 
     def _listen(self) -> None:
         while not self._over:
-            try:
-                item = self._session.inbox.get(timeout=0.5)
-            except Empty:
-                continue
-            if isinstance(item, Sample):
-                self._take(item)
+            for item in self._session.arrivals(0.5):
+                if isinstance(item, Sample):
+                    self._take(item)
 
     def _take(self, sample: Sample) -> None:
         try:

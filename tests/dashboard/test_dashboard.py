@@ -35,10 +35,11 @@ from formation import unicycle
 from formation.faults import links_named
 from formation.scenario.files import load
 from network import topics
+from network.bus import Incoming, Sample, Wake
 from network.codec import encode, seal
 from network.control import Operation, Pause, SetFault
 from network.messages import Event, LinkCounts, Reply, Setup
-from network.zenoh_bus import Incoming, Router, Sample, Session, Wake
+from network.zenoh_bus import Router, ZenohBus
 from tests.builders import plan, state, status
 
 ROOT = Path(__file__).parents[2]
@@ -181,7 +182,7 @@ class _Feed:
         pass
 
 
-def _desk(world: _World | Session, told: list[str]) -> RequestQueue:
+def _desk(world: _World | ZenohBus, told: list[str]) -> RequestQueue:
     desk = RequestQueue(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
     desk.start()
     return desk
@@ -214,7 +215,7 @@ def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
     endpoint = f"unixsock-stream/{tmp_path}/router"
     router = Router(endpoint)
     told: list[str] = []
-    with Session(endpoint, "x") as session:
+    with ZenohBus(endpoint, "x") as session:
         router.close()
         _wait(lambda: not session.connected)
         desk = _desk(session, told)

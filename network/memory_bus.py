@@ -125,8 +125,9 @@ class MemoryBus(Bus):
         self.run, self.name = run, name
         self.inbox: SimpleQueue[Incoming] = SimpleQueue()
         self.up = True
+        """Whether it is connected; set by the hub."""
         self.watching = False
-        self.react: Callable[[Incoming], None] | None = None
+        self.react: Callable[[Incoming], object] | None = None
         """If set, what comes in is given to it at once instead of waiting in the inbox."""
         self._hub = hub
         self._announced: set[str] = set()

@@ -1,4 +1,4 @@
-"""A process's place on the network: one Zenoh session, and one inbox for everything that comes in.
+"""A process's connection to its run: one Zenoh session, and one inbox for everything that it receives.
 
 All that arrives (samples, queries, responses, processes that come and go) lands in one queue in the order of arrival.
 Zenoh's own receive threads only append to it, so a slow reader never stalls the session, and a reader can wait with a
@@ -21,16 +21,16 @@ from network.codec import encode
 from network.messages import Message, Request
 
 LEASE_MS = 1000
-"""A process that is silent for so long is gone for the others; it is announced by the silent side."""
+"""Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
 CONNECT_MS = 10_000
 CLOSE_SECONDS = 2.0
-"""Closing on a dead link would take ten seconds."""
+"""Time limit for closing a session [s]; on a dead link it would take ten seconds."""
 REQUEST_SECONDS = 1.0
-"""A request that is not answered for so long never is."""
+"""A request that is not answered for this long never is [s]."""
 
 
 def config(*, endpoint: str, router: bool) -> zenoh.Config:
-    """A session that talks to nobody but the router: no scouting, no other listeners, no shared memory."""
+    """Configuration of a session with the router only: no scouting, no other listeners, no shared memory."""
     settings: dict[str, Any] = {
         "mode": "router" if router else "client",
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 1},

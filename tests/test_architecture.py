@@ -41,9 +41,10 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "topics", "lifetime", "throttled_log", "run_folder"},
+        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"topics"},
         {"codec", "control", "link"},
-        {"bus"},
+        {"bus", "reference"},
         {"zenoh_bus", "memory_bus"},
         {"health", "__main__"},
     ],

@@ -262,7 +262,7 @@ def _line() -> MemoryBus:
     world = hub.join("x")
     world.serve(topics.control("x"))
     setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
-    world.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None  # type: ignore[func-returns-value]
+    world.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
     return hub.join("x")
 
 

@@ -37,7 +37,7 @@ from network import topics
 from network.bus import Bus, Incoming, Query, Sample
 from network.codec import decode, encode, seal
 from network.control import Operation, Pause, SetFault, operation
-from network.memory_bus import MemoryBus, MemoryHub
+from network.memory_bus import KeptInMemory, MemoryBus, MemoryHub
 from network.messages import Event, LinkCounts, Reply, Request, Setup
 from tests.builders import plan, state, status
 
@@ -433,11 +433,12 @@ def test_the_first_frame_of_a_scenario_shows_everything(page: Page) -> None:
 
 def test_what_a_dead_mind_said_last_is_forgotten_also_if_it_comes_late(page: Page) -> None:
     telemetry = page._telemetry
-    waiting: list[Sample] = telemetry._waiting.kept  # type: ignore[attr-defined]
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting = telemetry._waiting
+    assert isinstance(waiting, KeptInMemory)
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     assert list(telemetry.snapshot().statuses) == [2]
     assert _take(telemetry, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     snapshot, views = page._keep()
     assert not snapshot.statuses
     assert [(view.label, view.lost) for view in views] == [("LOST", True), ("...", False), ("...", False)]

@@ -9,7 +9,7 @@ from formation.faults import PRESETS
 from formation.scenario import files
 from formation.scenario.registry import NAMES
 from formation.scenario.scenario import Scenario
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
 
 DEFAULT_SCENARIO = "triangle-circle"
@@ -82,12 +82,12 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
 
 
-def session(options: argparse.Namespace) -> Session:
+def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
     if options.connect is not None:
-        return Session(options.connect, options.run or "echelon")
+        return ZenohBus(options.connect, options.run or "echelon")
     run = find(options.run)
-    return Session(run.endpoint, run.name)
+    return ZenohBus(run.endpoint, run.name)
 
 
 def tell(line: str) -> None:

@@ -10,7 +10,7 @@ from formation.scenario.files import load
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
 from network.messages import Mode
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from world.process import WorldNode
 from world.world import World
 
@@ -31,7 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         scenario = load(options.scenario, options.settings)
         check_live(scenario.controller.name)
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.
             episode = secrets.randbits(32)

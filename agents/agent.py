@@ -18,6 +18,7 @@ from agents.estimator import Estimate, Estimator, LatestPose, Measurement, Windo
 from agents.motor_model import MotorModel
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.pattern import downstream, upstream
 from formation.scenario.registry import AGEING
 from formation.scenario.scenario import Scenario
@@ -63,7 +64,7 @@ class Agent:
         raw = own.name in AS_PRINTED or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
-        self._measurements: Link[Measurement] = Link(scenario.seed, "world", str(robot))
+        self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._speed: FloatArray = np.zeros(2)
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
         self._said: Plan | None = None
@@ -75,11 +76,11 @@ class Agent:
         sees = (own.name == "nash" and own.game == "response") or (own.name == "virtual_structure" and own.sees)
         return WindowEstimator(scenario, self._pair, self._motors, sees=sees, listens=own.name == "nash")
 
-    def set_faults(self, faults: Mapping[str, Fault]) -> None:
-        """Which faults the links to this robot have from now on; a link that is not named is perfect."""
+    def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
+        """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
         for receiver in self._receivers:
-            receiver.set_fault(faults.get(f"{receiver.sender}->{self.robot}", PERFECT))
-        self._measurements.fault = faults.get(f"world->{self.robot}", PERFECT)
+            receiver.set_faults(faults)
+        self._measurements.fault = faults.get(self._measurements.id, PERFECT)
 
     @property
     def hears(self) -> list[int]:
@@ -217,7 +218,7 @@ class Agent:
         return min(max(v, -v_max), v_max), min(max(omega, -omega_max), omega_max)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
-        """How it is doing at tick k, which it has just answered; the arguments are what only its process knows."""
+        """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
         belief = self._receivers[0].belief
@@ -226,7 +227,7 @@ class Agent:
             seq=k,
             stamp=stamp,
             episode=self.episode,
-            link=f"{self.upstream}->{self.robot}",
+            link=self._receivers[0].id,
             age=belief.seconds_old(stamp),
             plan=self._said,
             held=belief.plan,

@@ -5,6 +5,8 @@ Received plans are time-stamped. `aged` rolls the sender's pose along its plan a
 neighbour is believed to be in its slot.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from agents.controllers.interface import NeighborEstimate
@@ -12,7 +14,8 @@ from agents.kernels.motion import age_drifting
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
 from formation.errors import WireError
-from formation.faults import Fault
+from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
@@ -57,7 +60,7 @@ class Belief:
         return NeighborEstimate(pose, inputs, plan, elapsed, plan.drift)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
-        """The neighbour as its newest plan says, whatever the plan's age."""
+        """The neighbour as in its newest plan, whatever the plan's age."""
         plan = self.plan
         if plan is None or plan.inputs.shape != tail.shape:
             return NeighborEstimate(slot, tail, plan)
@@ -73,12 +76,17 @@ class PlanReceiver:
         self.newest = -1
         """seq of the newest plan that came in physically."""
         self._every = scenario.controller.plan_every
-        self._link: Link[Plan] = Link(scenario.seed, str(sender), str(receiver), scenario.link)
+        self._link: Link[Plan] = Link(scenario.seed, LinkId(sender, receiver), scenario.link)
         self._corrupt = 0
 
-    def set_fault(self, fault: Fault) -> None:
-        """What the link does from now on."""
-        self._link.fault = fault
+    @property
+    def id(self) -> LinkId:
+        """The link that they pass."""
+        return self._link.id
+
+    def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
+        """Set the fault of the link from now on; a link that is not named is perfect."""
+        self._link.fault = faults.get(self.id, PERFECT)
 
     def push(self, plan: Plan) -> None:
         """A plan came in physically; one that was there before is ignored."""

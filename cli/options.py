@@ -3,20 +3,22 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from formation.errors import ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import files
+from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import NAMES
 from formation.scenario.scenario import Scenario
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
 
 DEFAULT_SCENARIO = "triangle-circle"
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """What to fly, and how it differs from its file."""
+    """The scenario, and its differences from the file."""
     parser.add_argument(
         "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
     )
@@ -28,68 +30,61 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def settings(options: argparse.Namespace) -> list[str]:
-    """The scenario's changes as key=value.
+def overrides(options: argparse.Namespace) -> dict[str, Any]:
+    """What differs from the scenario's file.
 
     Raises:
-        ScenarioError: the preset or file of --faults does not exist.
+        ScenarioError: the preset or file of --faults does not exist, or a --set is not key=value.
     """
-    found = list(options.settings)
+    found = from_settings(options.settings)
     if options.controller is not None:
-        found.append(f"controller.name={options.controller}")
+        found = merged(found, at_path("controller.name", options.controller))
     if options.seed is not None:
-        found.append(f"seed={options.seed}")
+        found = merged(found, at_path("seed", from_text(options.seed)))
     if options.faults is not None:
-        found.append(f"faults={_faults(options.faults)}")
+        found = merged(found, at_path("faults", _faults(options.faults)))
     return found
 
 
-def _faults(name: str) -> str:
-    """A TOML value for the scenario's `faults`."""
+def _faults(name: str) -> list[dict[str, Any]]:
+    """A value for the scenario's `faults`."""
     if name in PRESETS:
-        return f'[{{ preset = "{name}" }}]'
+        return [{"preset": name}]
     if not name.endswith(".toml"):
         choices = ", ".join([*PRESETS, "FILE.toml"])
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
     entries = files.read(name).get("faults")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
-    tables = [", ".join(f"{key} = {_value(value)}" for key, value in entry.items()) for entry in entries]
-    return "[" + ", ".join(f"{{ {table} }}" for table in tables) + "]"
+    return entries
 
 
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(value) if isinstance(value, int | float) else '"' + str(value).replace('"', "") + '"'
-
-
-def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
-    """The scenario, and the key=value settings that make it from its file. Raises ScenarioError."""
-    changes = settings(options)
+def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
+    """The scenario, and the overrides that make it from its file. Raises ScenarioError."""
+    changes = overrides(options)
     return files.load(options.scenario, changes), changes
 
 
 def source(options: argparse.Namespace) -> str:
-    """The scenario's name, or its file as every process finds it."""
+    """The scenario's name, or the absolute path of its file."""
     name: str = options.scenario
     return str(Path(name).resolve()) if name.endswith(".toml") or "/" in name else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Which live run to talk to."""
+    """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
     parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
 
 
-def session(options: argparse.Namespace) -> Session:
+def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
     if options.connect is not None:
-        return Session(options.connect, options.run or "echelon")
+        return ZenohBus(options.connect, options.run or "echelon")
     run = find(options.run)
-    return Session(run.endpoint, run.name)
+    return ZenohBus(run.endpoint, run.name)
 
 
 def tell(line: str) -> None:
-    """A line for people, beside the results."""
+    """Print a line for the user on stderr, apart from the results."""
     print(f"echelon: {line}", file=sys.stderr, flush=True)

@@ -5,75 +5,43 @@ for messages of this one. Robots are numbered from 1. network/codec.py encodes a
 """
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, PlainValidator
 
+from formation import links
 from formation.arrays import FloatArray, frozen
+from formation.faults import Fault
+from network.fields import (
+    STRICT,
+    Count,
+    Flag,
+    Inputs,
+    Link,
+    LongText,
+    MaybePoses,
+    Measurements,
+    News,
+    NonNegative,
+    Numbers,
+    Places,
+    Pose,
+    Poses,
+    Positive,
+    Real,
+    Sender,
+    Sums,
+    Text,
+    Velocity,
+)
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = 0
+WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
 
 Mode = Literal["lockstep", "realtime"]
 """Whether the world waits for every agent at every tick, or steps by the wall clock."""
-
-_STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-def _array(columns: int, rows: int | None = None, *, least: int = 1) -> PlainValidator:
-    """Accepts little-endian float64 bytes of so many columns (and rows, at least so many); a read-only finite array."""
-
-    def validate(data: object) -> FloatArray:
-        if not isinstance(data, bytes) or len(data) < 8 * columns * least or len(data) % (8 * columns):
-            raise ValueError(f"expected bytes of {columns} float64 columns")
-        array = _numbers(data)
-        if rows is not None and array.size != rows * columns:
-            raise ValueError(f"expected {rows * columns} numbers; got {array.size}")
-        return array if rows == 1 else array.reshape(-1, columns)
-
-    return PlainValidator(validate)
-
-
-def _numbers(data: object) -> FloatArray:
-    if not isinstance(data, bytes) or len(data) % 8:
-        raise ValueError("expected bytes of float64 numbers")
-    array = np.frombuffer(data, dtype="<f8")
-    if not np.isfinite(array).all():
-        raise ValueError("expected finite numbers")
-    return array
-
-
-Poses = Annotated[FloatArray, _array(3)]
-"""(n, 3) [m, m, rad]."""
-Pose = Annotated[FloatArray, _array(3, 1)]
-"""(3,) [m, m, rad]."""
-Inputs = Annotated[FloatArray, _array(2)]
-"""(N, 2) v, omega [m/s, rad/s]."""
-Velocity = Annotated[FloatArray, _array(2, 1)]
-"""(2,) [m/s, m/s] in the world frame, or [m/s, rad/s] of the body."""
-MaybePoses = Annotated[FloatArray, _array(3, least=0)]
-"""(n or 0, 3) [m, m, rad]."""
-Places = Annotated[FloatArray, _array(2, least=0)]
-"""(n or 0, 2) [m, m]."""
-Sums = Annotated[FloatArray, _array(3, least=0)]
-"""(hops, 3) integrals of v and omega [m, rad] and the ticks in them."""
-Measurements = Annotated[FloatArray, _array(9, least=0)]
-"""(m, 9) hop, tick, 1 if localised, x, y, theta, 1 if related, x, y."""
-News = Annotated[FloatArray, _array(4, least=0)]
-"""(m, 4) robot row, need [s], its rate, tick."""
-Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
-"""(n,)."""
-Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
-Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
-Real = Annotated[float, Field(strict=True)]
-Positive = Annotated[float, Field(strict=True, gt=0.0)]
-NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
-Text = Annotated[str, Field(strict=True, max_length=65536)]
-LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
-Flag = Annotated[bool, Field(strict=True)]
 
 
 STILL: FloatArray = frozen(np.zeros(2))
@@ -107,7 +75,7 @@ class Tick:
     """(n, 2) position of the upstream neighbour in the own frame; no rows without relative sensing."""
     last: Flag = False
     """Whether this is the last tick of the episode."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +113,7 @@ class Plan:
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
     news: News = field(default_factory=lambda: NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +135,7 @@ class Command:
     """Whether a plan was sent at this tick."""
     solve: NonNegative
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +153,7 @@ class LinkCounts:
     duplicated: Count = 0
     """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
     in_flight: Count = 0
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,7 +164,7 @@ class Status:
     seq: Count
     stamp: NonNegative
     episode: Count
-    link: Text
+    link: Link
     """Name of the link from its upstream neighbour."""
     age: NonNegative
     """Age of the newest plan that arrived over it [s]."""
@@ -214,7 +182,7 @@ class Status:
     rejected: Count
     """Payloads that were not valid messages."""
     pid: Count
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +193,7 @@ class Event:
     stamp: NonNegative
     kind: Literal["run", "fault", "agent", "watchdog", "wire"]
     text: Text
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 RunStatus = Literal["waiting", "running", "paused", "finished"]
@@ -272,13 +240,13 @@ class State:
     """Robots with a live agent."""
     stopped: list[Sender]
     """Robots that the watchdog has stopped."""
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """Every link that is not perfect, with the keys of formation.faults.Fault that differ from its default."""
     events: list[Event]
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -297,7 +265,7 @@ class Ghost:
     """(n,) psi_e [rad]."""
     tracking_error: NonNegative
     """[m]."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,9 +280,9 @@ class Setup:
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """As in State."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,7 +291,7 @@ class Request:
 
     operation: Text
     arguments: dict[str, Any] = field(default_factory=dict)
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -334,7 +302,7 @@ class Reply:
     reason: Text = ""
     """One line, if not ok."""
     value: dict[str, Any] = field(default_factory=dict)
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply

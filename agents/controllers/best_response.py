@@ -141,7 +141,14 @@ class BestResponse:
         """Direction (N + 1, 2) and error (N + 1,) along the edge to a neighbour."""
         other = ahead.slots[:, column]
         errors_along(
-            neighbour.pose, neighbour.inputs, neighbour.drift, other, slots, self._pair.interval, direction, error
+            neighbour.pose,
+            np.ascontiguousarray(neighbour.inputs),
+            neighbour.drift,
+            other,
+            slots,
+            self._pair.interval,
+            direction,
+            error,
         )
 
     def _drift(self, observation: Observation) -> FloatArray:

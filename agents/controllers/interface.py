@@ -1,4 +1,4 @@
-"""What a controller is given at a planning tick, what it returns, and the interface between them."""
+"""The interface of a controller: its observation at a planning tick, and its solution."""
 
 import math
 from dataclasses import dataclass, field
@@ -58,7 +58,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """What a controller decided."""
+    """A controller's result."""
 
     inputs: FloatArray
     """(N, 2) body velocities to command over the horizon [m/s, rad/s]."""

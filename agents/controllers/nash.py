@@ -1,6 +1,6 @@
 """Controller `nash`: robot i plays the pair's game on the exact model, and its own part of the equilibrium.
 
-THEORY section 5. One Gauss-Newton step per plan, warm-started from the own last plan and the aged plan of the
+docs/theory.md, section 5. One Gauss-Newton step per plan, warm-started from the own last plan and the aged plan of the
 neighbour; both players are improved, only the own half is kept and sent.
 """
 
@@ -60,7 +60,7 @@ class Game:
         return self._improve(k, poses, inputs, self._r, None)
 
     def gap(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
-        """Nash gap of the robot: how much it could lower J_i alone, given the neighbour's inputs (THEORY section 6).
+        """Nash gap of the robot: how much it could lower J_i alone (docs/theory.md, section 5).
 
         Args:
             k: tick.

@@ -7,7 +7,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from queue import SimpleQueue
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,13 +31,15 @@ from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme import colours, formatting
 from dashboard.theme.palette import DARK, LIGHT
 from formation import unicycle
-from formation.faults import links_named
+from formation.faults import Fault
+from formation.links import LinkId, links_named
 from formation.scenario.files import load
 from network import topics
-from network.codec import encode, seal
-from network.control import Operation, Pause, SetFault
-from network.messages import Event, LinkCounts, Reply, Setup
-from network.zenoh_bus import Incoming, Router, Sample, Session, Wake
+from network.bus import Bus, Incoming, Query, Sample
+from network.codec import decode, encode, seal
+from network.control import Operation, Pause, SetFault, operation
+from network.memory_bus import KeptInMemory, MemoryBus, MemoryHub
+from network.messages import Event, LinkCounts, Reply, Request, Setup
 from tests.builders import plan, state, status
 
 ROOT = Path(__file__).parents[2]
@@ -74,13 +75,13 @@ def test_colours_come_out_of_the_tone_curve_as_they_were_asked_for() -> None:
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
     for robots in (2, 3, 16):
-        for target in faults.targets(robots):
-            for link in faults._links_of(target, robots):
+        for links in faults.targets(robots).values():
+            for link in links:
                 assert links_named(link, robots)
 
 
 def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
-    table = {"1->2": {"latency": 0.3}, "2->3": {"latency": 0.1, "cut": True}}
+    table = {LinkId(1, 2): Fault(latency=0.3), LinkId(2, 3): Fault(latency=0.1, cut=True)}
     assert faults.worst(table, ("1->2",), 3)["latency"] == 0.3
     assert not faults.worst(table, ("1->2",), 3)["cut"]
     every = faults.worst(table, ("all",), 3)
@@ -102,7 +103,7 @@ def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None
 @pytest.mark.parametrize("robots", [2, 3, 20])
 def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
     poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
-    now = state(robots, faults={"1->2": {"cut": True}})
+    now = state(robots, faults={LinkId(1, 2): Fault(cut=True)})
     drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
     shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
     for sender in range(robots):
@@ -119,7 +120,7 @@ def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_da
 
 
 def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
-    now = state(stamp=1.0, faults={"1->2": {"cut": True}})
+    now = state(stamp=1.0, faults={LinkId(1, 2): Fault(cut=True)})
     said = {2: status(2, 1, age=0.1), 3: status(3, 2, age=LOST_SECONDS + 0.1), 1: status(1, 3, age=0.01)}
     assert [view.label for view in ring_links(now, said)] == ["CUT", "LOST", "OK"]
     assert [view.lost for view in ring_links(state(stamp=3.0), said)] == [True, True, True]
@@ -147,14 +148,14 @@ def test_an_event_marks_its_time_once() -> None:
 
 def test_strings_from_elsewhere_are_escaped() -> None:
     evil = "<img src=x onerror=alert(1)>"
-    said = state(events=(Event(1, 0.0, "fault", evil),), faults={evil: {"distribution": evil}})
+    said = state(events=(Event(1, 0.0, "fault", evil),))
     for html in (tables.log(said), tables.in_force(said), formatting.remark(evil)):
         assert "<img" not in html
 
 
 def test_a_link_view_says_how_much_is_lost() -> None:
-    assert LinkView(1, 2, 0.0, {}, LinkCounts(sent=10, lost=3)).loss == 0.3
-    assert LinkView(1, 2, 0.0, {}, LinkCounts()).loss == 0.0
+    assert LinkView(LinkId(1, 2), 0.0, Fault(), LinkCounts(sent=10, lost=3)).loss == 0.3
+    assert LinkView(LinkId(1, 2), 0.0, Fault(), LinkCounts()).loss == 0.0
 
 
 @pytest.mark.parametrize("port", ["-1", "65536", "http", ""])
@@ -165,15 +166,20 @@ def test_a_wrong_port_is_a_mistake_of_the_users(port: str) -> None:
     assert "expected a port from 0 to 65535" in done.stderr
 
 
-class _World:
-    """Answers as a world does."""
+def _world(reply: Reply | None) -> tuple[MemoryBus, list[Operation]]:
+    """A bus on which a world answers so, or not at all; and what it has been asked for."""
+    hub, asked = MemoryHub(), list[Operation]()
+    served = hub.join("x")
+    served.serve(topics.control("x"))
 
-    def __init__(self, reply: Reply | None, *, connected: bool = True) -> None:
-        self.reply, self.connected, self.asked = reply, connected, list[Operation]()
+    def react(item: Incoming) -> None:
+        assert isinstance(item, Query)
+        asked.append(operation(decode(Request, item.payload)))
+        if reply is not None:
+            item.answer(encode(reply))
 
-    def ask(self, operation: Operation) -> Reply | None:
-        self.asked.append(operation)
-        return self.reply
+    served.react = react
+    return hub.join("x"), asked
 
 
 class _Feed:
@@ -181,8 +187,8 @@ class _Feed:
         pass
 
 
-def _requests(world: _World | Session, told: list[str]) -> RequestQueue:
-    requests = RequestQueue(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+def _requests(bus: Bus, told: list[str]) -> RequestQueue:
+    requests = RequestQueue(bus, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
     requests.start()
     return requests
 
@@ -196,7 +202,7 @@ def _wait(holds: Callable[[], bool]) -> None:
 
 def test_a_refusal_is_told_to_the_page_that_asked() -> None:
     told: list[str] = []
-    requests = _requests(_World(Reply(False, "latency: too long")), told)
+    requests = _requests(_world(Reply(False, "latency: too long"))[0], told)
     requests.ask(Pause(), 3)
     _wait(lambda: told == ["3 Not done: latency: too long"])
     requests.stop()
@@ -204,33 +210,33 @@ def test_a_refusal_is_told_to_the_page_that_asked() -> None:
 
 def test_silence_is_told_too() -> None:
     told: list[str] = []
-    requests = _requests(_World(None), told)
+    requests = _requests(_world(None)[0], told)
     requests.ask(Pause(), 3)
     _wait(lambda: len(told) == 1 and "No answer: The world did not answer" in told[0])
     requests.stop()
 
 
-def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
-    endpoint = f"unixsock-stream/{tmp_path}/router"
-    router = Router(endpoint)
+def test_a_network_that_is_gone_is_told_as_such() -> None:
     told: list[str] = []
-    with Session(endpoint, "x") as session:
-        router.close()
-        _wait(lambda: not session.connected)
-        requests = _requests(session, told)
-        requests.ask(Pause(), 3)
-        _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
-        requests.stop()
+    bus, asked = _world(Reply(True))
+    bus.up = False
+    requests = _requests(bus, told)
+    requests.ask(Pause(), 3)
+    _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
+    requests.stop()
+    assert not asked
 
 
-def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureFixture) -> None:
-    class Broken(_World):
-        def ask(self, operation: Operation) -> Reply | None:
-            super().ask(operation)
-            raise RuntimeError
+def test_an_error_without_words_does_not_end_the_desk(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError
 
     told: list[str] = []
-    requests = _requests(Broken(None), told)
+    bus, _ = _world(Reply(True))
+    monkeypatch.setattr(bus, "fetch", broken)
+    requests = _requests(bus, told)
     requests.ask(Pause(), 3)
     requests.ask(Pause(), None)
     _wait(lambda: len(told) == 2)
@@ -240,44 +246,25 @@ def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureF
 
 
 def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
-    world = _World(Reply(True))
-    requests = _requests(world, [])
+    bus, asked = _world(Reply(True))
+    requests = _requests(bus, [])
     for loss in (0.1, 0.2, 0.3):
         requests.change(("1->2", "2->3"), {"loss": loss}, None, 1)
     requests.ask(Pause(), 1)
-    _wait(lambda: len(world.asked) == 3)
+    _wait(lambda: len(asked) == 3)
     requests.stop()
-    assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
-    assert world.asked[2] == Pause()
+    assert asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
+    assert asked[2] == Pause()
 
 
-class _Line:
-    """A session on which a test says what comes in."""
-
-    run, connected = "x", True
-
-    def __init__(self) -> None:
-        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
-        self.kept: dict[str, list[Sample]] = {}
-
-    def keep(self, key: str, depth: int) -> Any:
-        waiting = self.kept.setdefault(key, [])
-        return SimpleNamespace(kept=waiting, take=lambda: iter([waiting.pop(0) for _ in list(waiting)]))
-
-    def subscribe(self, key: str) -> None:
-        pass
-
-    def watch(self) -> None:
-        pass
-
-    def appear(self, role: str) -> None:
-        pass
-
-    def wake(self) -> None:
-        self.inbox.put(Wake())
-
-    def setup(self) -> Setup:
-        return Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+def _line() -> MemoryBus:
+    """A bus on which a world says what it simulates."""
+    hub = MemoryHub()
+    world = hub.join("x")
+    world.serve(topics.control("x"))
+    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+    world.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
+    return hub.join("x")
 
 
 def _take(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
@@ -302,7 +289,7 @@ def _take(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
     ],
 )
 def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
-    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    telemetry = TelemetrySubscriber(_line())
     assert _take(telemetry, topics.state("x"), encode(state()))
     assert not _take(telemetry, topics.state("x"), encode(state(stamp=2.0, **changes)))
     said = telemetry.snapshot().state
@@ -311,16 +298,16 @@ def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
 
 
 def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
-    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    telemetry = TelemetrySubscriber(_line())
     assert _take(telemetry, topics.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
     said = telemetry.snapshot().state
     assert said is not None
-    assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
+    assert said.faults == {LinkId(1, 2): Fault(loss=0.3, latency=0.1)}
 
 
 def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
-    line = _Line()
-    telemetry = TelemetrySubscriber(line)  # type: ignore[arg-type]
+    line = _line()
+    telemetry = TelemetrySubscriber(line)
     good = status(1, 3, plan=plan(1, 5))
     for sender, payload in (
         (1, encode(good)),
@@ -328,7 +315,7 @@ def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
         (1, seal(b"whole, but no status")),
         (2, encode(good)),
     ):
-        line.kept[topics.status("x", "*")].append(Sample(topics.status("x", sender), payload))
+        line.receive(Sample(topics.status("x", sender), payload))
     said = telemetry.snapshot().statuses
     assert list(said) == [1]
     assert said[1].plan is not None
@@ -340,7 +327,7 @@ def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
 def page() -> Iterator[Page]:
     """A page of three robots that nobody looks at."""
     served = serve(Guard("127.0.0.1"), 0, "x")
-    made = Page(served, _Line())  # type: ignore[arg-type]
+    made = Page(served, _line())
     assert _take(made._telemetry, topics.state("x"), encode(state()))
     made._telemetry.update_scenario()
     assert made._frame() == 3
@@ -353,7 +340,7 @@ def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, cho
     panel = page._faults
     panel._target.value = choice
     assert list(panel.target) == []
-    assert faults.worst({"1->2": {"loss": 1.0}}, panel.target, 3)["loss"] == 0.0
+    assert faults.worst({LinkId(1, 2): Fault(loss=1.0)}, panel.target, 3)["loss"] == 0.0
     panel.draw(state())
     assert list(panel.target) == ["all"]
 
@@ -400,7 +387,7 @@ def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
 def test_who_waits_for_others_is_said_with_how_far_behind_it_is(page: Page) -> None:
     behind = dataclasses.replace(plan(2, 99), lag=1.26)
     for said in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
-        page._telemetry._waiting.kept.append(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
+        page._telemetry._waiting.put(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
     snapshot, views = page._keep()
     assert "1.3 s behind the clock" in condition(snapshot)[2]
     rows = tables.robots(snapshot, views, page._clickable).split("<tr")
@@ -447,11 +434,12 @@ def test_the_first_frame_of_a_scenario_shows_everything(page: Page) -> None:
 
 def test_what_a_dead_mind_said_last_is_forgotten_also_if_it_comes_late(page: Page) -> None:
     telemetry = page._telemetry
-    waiting: list[Sample] = telemetry._waiting.kept  # type: ignore[attr-defined]
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting = telemetry._waiting
+    assert isinstance(waiting, KeptInMemory)
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     assert list(telemetry.snapshot().statuses) == [2]
     assert _take(telemetry, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     snapshot, views = page._keep()
     assert not snapshot.statuses
     assert [(view.label, view.lost) for view in views] == [("LOST", True), ("...", False), ("...", False)]

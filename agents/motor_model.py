@@ -1,4 +1,4 @@
-"""How the robot's commands become motion, as far as the agent knows: delay and lag, nominal, given or learnt on line."""
+"""How commands become motion, as far as the agent knows: delay and lag, nominal, given or learnt on line."""
 
 import math
 

@@ -37,5 +37,5 @@ def kernel_for(result: Any, *arguments: Any) -> Callable[..., Any]:
 def named(kind: type[tuple[Any, ...]], *fields: Any) -> Any:
     """The type of a NamedTuple as compiled code sees it, from those of its fields."""
     if len(set(fields)) == 1:
-        return numba.types.NamedUniTuple(fields[0], len(fields), kind)
-    return numba.types.NamedTuple(fields, kind)
+        return numba.types.NamedUniTuple(fields[0], len(fields), kind)  # type: ignore[no-untyped-call]
+    return numba.types.NamedTuple(fields, kind)  # type: ignore[no-untyped-call]

@@ -1,6 +1,6 @@
-"""Learning on line how late commands act and how slowly wheels follow, from own commands and odometry alone.
+"""Learning on line how late commands act and how slowly wheels follow, from own commands and odometry.
 
-Wheels obey w[t+1] = w[t] + rho (c[t-d] - w[t]), rho = 1 - exp(-dt/tau). For every candidate d at once the sums of a least
+Wheels obey w[t+1] = w[t] + rho (c[t-d] - w[t]), rho = 1 - exp(-dt/tau). For every candidate d the sums of a least
 squares fit of rho are kept, forgetting old ticks; the d whose fit leaves least unexplained is the delay. Where commands
 do not change nothing can be learnt, and nothing is: then it does not matter either. A delay that is wrong shakes the
 robot, and that teaches it within some ticks.
@@ -55,14 +55,14 @@ def start(delay: int, rate: float) -> Learner:
 @kernel
 def _rate(m: Learner, d: int) -> float:
     """rho that fits best with delay d."""
-    return min(max((m.sums[d, 1] + GUESS * m.model[1]) / (m.sums[d, 0] + GUESS), SLOWEST), 1.0)
+    return float(min(max((m.sums[d, 1] + GUESS * m.model[1]) / (m.sums[d, 0] + GUESS), SLOWEST), 1.0))
 
 
 @kernel
 def _misfit(m: Learner, d: int) -> float:
     """What delay d leaves unexplained of the last changes of wheel speed, in units of FLOOR squared."""
     rho = _rate(m, d)
-    return m.energy[0] - 2.0 * rho * m.sums[d, 1] + rho * rho * m.sums[d, 0]
+    return float(m.energy[0] - 2.0 * rho * m.sums[d, 1] + rho * rho * m.sums[d, 0])
 
 
 @kernel_for(FLAG, LEARNER, WHOLE, VECTOR, VECTOR, MATRIX, VECTOR, VECTOR, REAL)

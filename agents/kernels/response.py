@@ -1,4 +1,6 @@
-"""The best response along the edges (docs/theory.md, Best response): one Gauss-Newton step over (x, y, theta, v, omega) and 2 inputs.
+"""The best response along the edges: one Gauss-Newton step over (x, y, theta, v, omega) and two inputs.
+
+docs/theory.md, Best response.
 
 The inputs c are body velocities that the wheels approach with time constant tau: v+ = c + (v - c) E, and the mean over
 an interval is c + (v - c) m, with E = exp(-dt/tau) and m = (tau/dt)(1 - E). Without lag E = m = 0.
@@ -66,7 +68,7 @@ def lag_of(tau: float, dt: float) -> Lag:
 
 
 @kernel_for(REAL, VECTOR, MATRIX, TARGETS, STAGE, LAG, REAL, MATRIX_OUT, MATRIX_OUT, MATRIX_OUT)
-def respond(
+def respond(  # noqa: PLR0915  one recursion, written out: a third of the time of one over matrices
     start: FloatArray,
     nominal: FloatArray,
     targets: Targets,

@@ -235,7 +235,7 @@ def _correct(w: Window, core: Core, stamp: int, lagged: Table, lag: float, mode:
 @kernel
 def _calm(core: Core, h: int) -> bool:
     o = 6 * h
-    return core.cov[o + 3, o + 3] < CALM * CALM and core.cov[o + 4, o + 4] < CALM * CALM
+    return bool(core.cov[o + 3, o + 3] < CALM * CALM and core.cov[o + 4, o + 4] < CALM * CALM)
 
 
 @kernel_for(NOTHING, WINDOW, TABLE_OF_SLOTS, TABLE_OF_SLOTS, REAL, HEARD_PLAN, WHOLE, WHOLE, TUNING)

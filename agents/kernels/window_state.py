@@ -1,4 +1,4 @@
-"""The window filter's state and constants (docs/theory.md, Estimator): W joint blocks of (x, y, theta, d_v, d_l, d_w)."""
+"""The window filter's state and constants (docs/theory.md): W joint blocks of (x, y, theta, d_v, d_l, d_w)."""
 
 import math
 from typing import NamedTuple
@@ -119,7 +119,7 @@ def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> Window:
     mean = np.zeros((w, 6))
     mean[:, :3] = slots
     spread = np.concatenate([sigmas[:, [0, 0, 1]], np.tile(DISTURBED, (w, 1))], axis=1)
-    core = (
+    core = Core(
         np.full(1, tick, dtype=np.int64),
         mean,
         np.diag(np.square(spread).ravel()),
@@ -128,8 +128,16 @@ def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> Window:
     )
     none = np.full((w, LENGTH), -1, dtype=np.int64)
     return Window(
-        *core,
-        *(part.copy() for part in core),
+        core.tick,
+        core.mean,
+        core.cov,
+        core.ewma,
+        core.rejected,
+        core.tick.copy(),
+        core.mean.copy(),
+        core.cov.copy(),
+        core.ewma.copy(),
+        core.rejected.copy(),
         np.zeros((w, LENGTH, 2)),
         np.full(w, tick, dtype=np.int64),
         np.zeros((w, 2)),

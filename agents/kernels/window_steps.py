@@ -129,7 +129,7 @@ def localise(core: Core, h: int, z: FloatArray, q: Tuning) -> bool:
     found = detect(core, h, 0, forward, h, -1, q)
     found |= detect(core, h, 1, lateral, h, -1, q)
     found |= detect(core, h, 2, turn, h, -1, q)
-    return found
+    return bool(found)
 
 
 @kernel
@@ -176,7 +176,7 @@ def relate(core: Core, h: int, g: int, z: FloatArray, q: Tuning) -> bool:
         return False
     found = detect(core, h, 3, n0 / math.sqrt(s00), h, g, q)
     found |= detect(core, h, 4, e1 / math.sqrt(d1), h, g, q)
-    return found
+    return bool(found)
 
 
 @kernel
@@ -209,7 +209,7 @@ def detect(core: Core, h: int, sensor: int, value: float, first: int, second: in
         found |= doubt(core, second, axis, q.began)
     if found:
         e[sensor] *= 0.5
-    return found
+    return bool(found)
 
 
 @kernel

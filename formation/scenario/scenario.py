@@ -205,8 +205,8 @@ class Scenario(Model):
         if not noise.model_fields_set:
             return self.bodies
         sensor = self.bodies.localisation
-        given = {key: getattr(noise, key) for key in ("slip", "gyro") if key in noise.model_fields_set}
-        seen = {key: getattr(noise, key) for key in ("position", "heading") if key in noise.model_fields_set}
+        given = {key: getattr(noise, key) for key in noise.model_fields_set}
+        seen: dict[str, float] = {key: given.pop(key) for key in ("position", "heading") if key in given}
         return self.bodies.model_copy(update={**given, "localisation": sensor.model_copy(update=seen)})
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What sensors tell of the bodies: localisation that is late, noisy, sometimes far off or absent, and relative sensing."""
+"""Sensors of the bodies: localisation that is late, noisy, sometimes far off or absent, and relative sensing."""
 
 from collections import deque
 from dataclasses import dataclass

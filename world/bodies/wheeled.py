@@ -1,8 +1,8 @@
-"""Wheeled bodies: wheels that follow commands late and slowly, slip, get stuck, and are pushed (docs/theory.md, Bodies).
+"""Wheeled bodies: wheels that follow commands late and slowly, slip, get stuck and are pushed (docs/theory.md).
 
 A command c acts `delay` after its arrival, held within the limits. Wheel speeds follow it,
-w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as an exact unicycle
-with v = drive (1 + s_v)(1 + slip n_1) w_v and omega = drive ((1 + s_w)(1 + slip n_2) w_w + b_w + gyro n_3), and is
+w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as a unicycle with
+v = drive (1 + s_v)(1 + slip n_1) w_v and omega = drive ((1 + s_w)(1 + slip n_2) w_w + b_w + gyro n_3), and is
 carried by a disturbance's drift.
 """
 
@@ -80,13 +80,13 @@ class WheeledBodies:
         drive, cap, drift = self._disturbed()
         noise = self._motion.at(self._k).tolist() if self._slips else None
         moved, wheels = [], []
-        for i, (body, pose) in enumerate(zip(self._bodies, self.poses.tolist(), strict=True)):
+        for i, (body, (x, y, theta)) in enumerate(zip(self._bodies, self.poses.tolist(), strict=True)):
             speeds = _spun(body, self._wheels[i], acting[i], cap[i])
             v, omega = speeds[0] * body.gains[0], speeds[1] * body.gains[1]
             if noise is not None:
                 n = self._correlated(i, noise[i])
                 v, omega = v * (1.0 + body.slip * n[0]), omega * (1.0 + body.slip * n[1]) + body.gyro * n[2]
-            moved.append(unicycle.step(*pose, v * drive[i], (omega + body.offset) * drive[i], self._dt))
+            moved.append(unicycle.step(x, y, theta, v * drive[i], (omega + body.offset) * drive[i], self._dt))
             wheels.append(speeds)
         self._wheels = wheels
         self.poses = frozen(moved if drift is None else np.array(moved) + self._dt * drift)

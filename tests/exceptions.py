@@ -41,7 +41,7 @@ NEEDS = {
 """By name."""
 
 EXCEPTIONS: dict[str, str] = {}
-"""What may be absent even with CI set, each with its reason; nothing today: the test command and .ci/run install all."""
+"""What may be absent even with CI set, and why. Nothing today: the test command and .ci/run install all."""
 
 
 def needs(*names: str) -> None:

@@ -18,13 +18,14 @@ ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
 
 
-class Loader(yaml.SafeLoader):
+class Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     """Refuses a key that stands twice in one map, as compose does and PyYAML does not."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         own = [key.value for key, _ in node.value if key.value != "<<"]
         assert len(own) == len(set(own)), f"twice in one map: {own}"
-        return super().construct_mapping(node, deep)
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
 
 
 def parsed(text: str) -> dict[str, Any]:

@@ -126,7 +126,7 @@ class Agent:
                 self._pair.interval,
                 solution.inputs,
                 solution.lag,
-                solution.drift,
+                solution.lag_rate,
             )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))

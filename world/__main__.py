@@ -9,9 +9,10 @@ from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
+from network.messages import Mode
 from network.zenoh_bus import Session
 from world.process import WorldNode
-from world.world import Mode, World
+from world.world import World
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -5,7 +5,7 @@ It reads no clock. Who drives it (runtime/inprocess.py, world/process.py) decide
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +18,10 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
-from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
+from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
 from world.bodies.unicycle import Plant
 from world.faults import FaultState
 from world.trace import Trace
-
-Mode = Literal["lockstep", "realtime"]
 
 WATCHDOG = 0.2
 """A robot to which no new command has come for so long stops [s], as a real base controller makes it."""

@@ -38,7 +38,7 @@ class Solution:
     converged: bool = True
     """False if the solver failed and the inputs are a fallback."""
     lag: float = 0.0
-    drift: float = 0.0
+    lag_rate: float = 0.0
     """As in network.messages.Plan."""
 
 

@@ -119,4 +119,4 @@ class Nash:
         self._last = (k, own)
         if self._progress:
             self._progress.planned(situation.pose, own)
-        return Solution(own, converged, pair.lag, self._progress.drift if self._progress else 0.0)
+        return Solution(own, converged, pair.lag, self._progress.lag_rate if self._progress else 0.0)

@@ -1,7 +1,7 @@
 """Stick together: how far a robot is behind the clock along its path, agreed on round the ring.
 
 A robot's reference is the scenario's at its own reference time, t - lag. Who falls behind its slot because it does not
-move as it planned holds its reference time back; it says so in its next plan (`lag`, and `drift`, at which rate it lets
+move as it planned holds its reference time back; its next plan carries `lag` and `lag_rate` (the rate at which it lets
 its lag change), and who receives that holds back as well. Once everybody is in place again, all lags are worked off
 together, as fast as the robots' limits allow. Without trouble every lag is exactly zero, and the reference is the
 scenario's. (Who is behind for another reason, say a corner that nobody can follow, only gets worse by standing still.)
@@ -54,7 +54,7 @@ class Progress:
         self._k = 0
         self._short = 0.0
         self._planned: tuple[FloatArray, FloatArray] | None = None
-        self.drift = 0.0
+        self.lag_rate = 0.0
         """Rate at which the robot itself lets its lag change."""
 
     def update(self, k: int, pose: FloatArray, plan: Plan | None) -> None:
@@ -71,8 +71,8 @@ class Progress:
         forward = math.copysign(1.0, speed)
         behind = min(forward * _along(slot[2], slot - pose), forward * self._shortfall(pose, elapsed))
         hold = min(max((behind / self._spacing - FREE) / WIDTH, 0.0), 1.0)
-        self.drift = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
-        change = elapsed * self.drift
+        self.lag_rate = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
+        change = elapsed * self.lag_rate
         ahead = self._others(k, plan) - pair.lag
         if ahead > 0.0:
             change += min(PULL * elapsed, 1.0) * ahead
@@ -104,7 +104,7 @@ class Progress:
         if plan is None:
             return 0.0
         age = k * self._pair.tick - plan.stamp
-        return plan.lag + plan.drift * age if age < len(plan.inputs) * plan.interval else 0.0
+        return plan.lag + plan.lag_rate * age if age < len(plan.inputs) * plan.interval else 0.0
 
 
 def _along(theta: float, gap: FloatArray) -> float:

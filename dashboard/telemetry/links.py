@@ -6,11 +6,10 @@ from typing import Any
 
 from formation.pattern import downstream
 from network.messages import LinkCounts, State, Status
+from network.topics import STATUS
 
 LOST_SECONDS = 0.5
 """A link whose newest plan is older counts as lost: a quarter of the horizon has passed without a plan [s]."""
-SILENCE_SECONDS = 0.25
-"""Statuses come ten times a second. If the last one is older than this, its age of the plan is extrapolated [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +72,7 @@ def _link(state: State, statuses: Mapping[int, Status], sender: int, receiver: i
     age, counts = None, LinkCounts()
     if status is not None and status.episode == state.episode:
         silence = state.stamp - status.stamp
-        age = status.age + (silence if silence > SILENCE_SECONDS * max(1.0, state.pace) else 0.0)
+        age = status.age + (silence if silence > STATUS.stale * max(1.0, state.pace) else 0.0)
         counts = status.counts
     fault = state.faults.get(f"{sender}->{receiver}", {})
     return LinkView(sender, receiver, age, fault, counts, deaf=receiver not in state.live)

@@ -30,8 +30,6 @@ from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
 from network.zenoh_bus import Sample, Session
 
-SILENCE_SECONDS = 1.5
-"""The world publishes its state twenty times a second; without one for this long it counts as gone [s]."""
 WAITING_GHOSTS = 1000
 """Ghost messages that wait, at most: a ghost that catches up publishes 450 in a row."""
 WAITING_STATUSES = 2 * MAX_ROBOTS
@@ -112,7 +110,7 @@ class TelemetrySubscriber:
             poses=poses,
             stamp=stamp,
             ghosts=ghosts,
-            world_alive=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
+            world_alive=bool(states) and now - states[-1][0] < topics.STATE.stale,
             connected=self._session.connected,
         )
 

@@ -58,11 +58,7 @@ class Page:
         self._history = History()
         self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
-        self._scene = Scene(
-            server,
-            on_robot=lambda client, robot: self._view.focus_on(client, robot),
-            on_link=lambda sender: self._faults.choose("link", sender),
-        )
+        self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked)
         self._errors = ThrottledLog()
         self._panels_drawn_at = self._plots_drawn_at = 0.0
         self._panels_key: tuple[object, ...] = ()
@@ -105,6 +101,12 @@ class Page:
         apply_theme(self._server.gui, palette)
         for chart in self._charts:
             chart.set_palette(palette)
+
+    def _robot_clicked(self, client: viser.ClientHandle, robot: int) -> None:
+        self._view.focus_on(client, robot)
+
+    def _link_clicked(self, sender: int) -> None:
+        self._faults.choose("link", sender)
 
     def _clicked(self, verb: str, number: int, event: viser.GuiEvent[Any]) -> None:
         """A user clicked a cell of a table."""

@@ -45,7 +45,9 @@ class AgentLifecycle:
         self._open[client.client_id] = modal = client.gui.add_modal(title)
         with modal:
             client.gui.add_markdown(text)
-            confirm = client.gui.add_button(yes, color="red", icon=viser.Icon.SKULL if yes[0] == "K" else viser.Icon.REFRESH)
+            confirm = client.gui.add_button(
+                yes, color="red", icon=viser.Icon.SKULL if yes[0] == "K" else viser.Icon.REFRESH
+            )
             cancel = client.gui.add_button("Cancel", color="gray")
 
         def done(event: viser.GuiEvent[Any]) -> None:

@@ -30,7 +30,7 @@ class Clickable:
             f'if(c)document.querySelector("{label}").closest(":has(button)")'
             ".querySelectorAll('button')[c.dataset.click].click()"
         )
-        """What an element around clickable cells does `onpointerdown`: not on release, for tables are often replaced."""
+        """For `onpointerdown` of the element around the cells; a table may be replaced before the release."""
         self._group.on_click(self._clicked)
 
     def set_verbs(self, verbs: dict[str, int]) -> None:

@@ -74,8 +74,8 @@ class Notices:
 def _welcome(client: viser.ClientHandle) -> None:
     client.add_notification(
         "This is Echelon",
-        "The robots keep a formation; each plans for itself with the last plan received from its neighbour. Try: click a "
-        "cell of the link matrix or an arrow head, then tick Cut. P pauses, Ctrl-K lists all commands.",
+        "The robots keep a formation; each plans for itself with the last plan received from its neighbour. Try: "
+        "click a cell of the link matrix or an arrow head, then tick Cut. P pauses, Ctrl-K lists all commands.",
         color=NEUTRAL,
         auto_close_seconds=WELCOME_SECONDS,
     )

@@ -168,7 +168,7 @@ def _series(curves: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...
 
 
 def _held(stamps: FloatArray, values: FloatArray) -> FloatArray:
-    """The values, held at both ends for as long as a ghost's message may be on its way, so that its curve has no step."""
+    """The values, held at both ends while a ghost's message may be on its way, so that its curve has no step."""
     known = np.flatnonzero(np.isfinite(values))
     if len(known) in (0, len(values)):
         return values

@@ -26,7 +26,9 @@ class RequestQueue:
 
     def __init__(self, session: Session, telemetry: TelemetrySubscriber, notify: Notify) -> None:
         self._session, self._telemetry, self._notify = session, telemetry, notify
-        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None: look at the resting values
+        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = (
+            SimpleQueue()
+        )  # None: look at the resting values
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)

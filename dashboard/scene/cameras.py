@@ -215,7 +215,7 @@ def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
 
 
 def _note_user(page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> None:
-    """Take over a camera pose from a page. If the user moved it, cancel late fits; a following camera keeps the offset."""
+    """Take over a pose from a page. If the user moved the camera, cancel late fits, and follow with the new offset."""
     near = 0.01 * float(np.linalg.norm(page.offset))
     if page.target is None:
         if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in page.ours):

@@ -106,7 +106,10 @@ class Guard:
             found = _without_token(path)
             found.headers["Set-Cookie"] = _set_cookie(_cookie_name(port), self.token)
             return found
-        title, text = "This page needs its token", "Whoever opens this page controls the robots, so it requires a token."
+        title, text = (
+            "This page needs its token",
+            "Whoever opens this page controls the robots, so it requires a token.",
+        )
         if offered is not None:
             title, text = "That is not the token", "It may be that of an earlier run: every run has a new one."
         # After a link on another site the browser holds back a strict cookie; a reload by this page itself sends it.
@@ -126,7 +129,7 @@ def _cookies(headers: Headers, name: str) -> list[str]:
     """Values of all cookies of this name."""
     found = []
     for pair in (pair for line in headers.get_all("Cookie") for pair in line.split(";")):
-        cookie = SimpleCookie[str]()
+        cookie: SimpleCookie = SimpleCookie()
         with contextlib.suppress(CookieError):  # one by one: a malformed cookie of another server hides the rest
             cookie.load(pair.strip())
         found += [morsel.value for key, morsel in cookie.items() if key == name]
@@ -134,9 +137,10 @@ def _cookies(headers: Headers, name: str) -> list[str]:
 
 
 def _set_cookie(name: str, value: str) -> str:
-    cookie = SimpleCookie[str]({name: value})
-    cookie[name].update({"httponly": True, "samesite": "Strict", "path": "/"})
-    return cookie[name].OutputString()
+    cookie = SimpleCookie({name: value})
+    for attribute, given in (("httponly", True), ("samesite", "Strict"), ("path", "/")):
+        cookie[name][attribute] = given
+    return str(cookie[name].OutputString())
 
 
 def _query(path: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""A browser, if there is one; on CI there must be."""
+"""A browser: without one these tests are skipped, on CI they fail."""
 
 import os
 import shutil
@@ -24,7 +24,7 @@ FLAGS = (
     "--disable-quic",
     "--no-first-run",
 )
-"""design/VISER.md, section 3: without a graphics card every other choice stalls the page."""
+"""Without a graphics card, a canvas that is not drawn on the processor (the plots) stalls the page for seconds."""
 
 
 @pytest.fixture(scope="session")

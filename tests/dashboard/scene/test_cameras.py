@@ -1,4 +1,4 @@
-"""Laws of the views: they show what was asked for, and a person's hand comes first."""
+"""Laws of the links: they show what was asked for, and a person's hand comes first."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dashboard.scene.cameras import HANDS_OFF_SECONDS, Cameras
+from dashboard.scene.cameras import HOLD_SECONDS, Cameras
 from formation.arrays import FloatArray
 from formation.scenario.files import load
 
@@ -110,7 +110,7 @@ def test_what_the_page_looked_at_before_it_was_told_is_no_hand(clock: _Clock) ->
 def test_the_third_dimension_stays_when_it_is_asked_for_at_once(clock: _Clock) -> None:
     cameras, client = opened()
     pass_time(cameras, clock, 0.1)
-    cameras.tip(client)
+    cameras.tilt(client)
     tipped = client.camera.position.copy()
     pass_time(cameras, clock, 3.0)
     np.testing.assert_array_equal(client.camera.position, tipped)
@@ -122,7 +122,7 @@ def test_a_following_view_goes_on_from_where_a_hand_left_it(clock: _Clock) -> No
     cameras.follow(client, 1)
     turned = np.array([1.0, 1.0, 2.0])
     client.camera.dragged(client.camera.look_at + turned, client.camera.look_at)
-    pass_time(cameras, clock, HANDS_OFF_SECONDS + 0.2)
+    pass_time(cameras, clock, HOLD_SECONDS + 0.2)
     np.testing.assert_allclose(client.camera.look_at[:2], POSES[0, :2])
     np.testing.assert_allclose(client.camera.position - client.camera.look_at, turned)
 
@@ -152,6 +152,6 @@ def test_a_following_view_does_not_turn_when_the_page_is_slow(clock: _Clock) -> 
     moved = POSES + np.array([0.3, 0.0, 0.0])
     cameras.update(SCENARIO, moved)
     camera.told(camera)
-    clock.now += HANDS_OFF_SECONDS + 0.1
+    clock.now += HOLD_SECONDS + 0.1
     cameras.update(SCENARIO, moved)
     np.testing.assert_allclose(camera.position - camera.look_at, offset)

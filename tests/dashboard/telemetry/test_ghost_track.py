@@ -81,7 +81,7 @@ def flown(live: float, other: float, seconds: float = 30.0) -> History:
     for i in range(int(20 * seconds)):
         now = beside(0.05 * i, distance_errors=np.full(3, live), tracking_error=live)
         history.ghost.update(now, [ghost(0.05 * i, error=other)])
-        history.add(now, [])
+        history.add(now, [], {})
     return history
 
 
@@ -109,14 +109,14 @@ def test_the_verdict_says_how_many_times_better_or_worse(live: float, other: flo
 def test_only_what_both_have_flown_is_compared() -> None:
     history = flown(0.001, 0.01, seconds=5.0)
     for i in range(100, 200):  # the ghost falls silent, and the live flight goes wild
-        history.add(beside(0.05 * i, distance_errors=np.full(3, 9.0)), [])
+        history.add(beside(0.05 * i, distance_errors=np.full(3, 9.0)), [], {})
     assert comparisons(history.series())[0].factor == "10 x better"
 
 
 def test_without_a_ghost_there_is_no_verdict_but_a_word_of_why() -> None:
     history = History()
     for i in range(100):
-        history.add(beside(0.1 * i), [])
+        history.add(beside(0.1 * i), [], {})
     assert comparisons(history.series()) == []
     assert "Waiting for the ghost" in comparison(beside(9.9), history)
     history.ghost.update(beside(9.9), [ghost(3.0)])

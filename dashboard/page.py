@@ -26,10 +26,10 @@ from dashboard.telemetry.subscriber import Snapshot, TelemetrySubscriber
 from dashboard.theme.palette import DARK, Palette
 from dashboard.theme.templates import style_element
 from dashboard.theme.titlebar import apply_theme
+from network.bus import Bus
 from network.lifetime import Lifetime
 from network.messages import State
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
 
 FRAME = 1.0 / 30.0
 """Between two frames [s]."""
@@ -48,7 +48,7 @@ LEFT_WIDTH, RIGHT_WIDTH = 330, 400
 class Page:
     """The panels and the scene, and the telemetry they are drawn from."""
 
-    def __init__(self, server: viser.ViserServer, session: Session) -> None:
+    def __init__(self, server: viser.ViserServer, session: Bus) -> None:
         """Add everything to the page."""
         self._server = server
         self._telemetry = TelemetrySubscriber(session)

@@ -7,7 +7,7 @@ from bisect import bisect_left
 import numpy as np
 
 from dashboard.telemetry.export_buffer import DEAD, HELD, ExportData
-from formation.pattern import downstream
+from formation.links import plan_links
 
 
 def as_csv(data: ExportData) -> bytes:
@@ -18,7 +18,7 @@ def as_csv(data: ExportData) -> bytes:
     columns = (
         ("distance_error_m", "distance_error", robots),
         ("angle_error_rad", "angle_error", robots),
-        ("plan_age_s", "age", [f"{i}->{downstream(i, n)}" for i in numbers]),
+        ("plan_age_s", "age", [str(link) for link in plan_links(n)]),
         ("solve_s", "solve", robots),
     )
     heads = [f"{quantity} {name}" for quantity, _, names in columns for name in names]

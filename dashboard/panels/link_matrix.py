@@ -8,7 +8,7 @@ from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
-from formation.pattern import downstream, upstream
+from formation.links import LinkId
 
 MATRIX_ROBOTS = 8
 """With more robots the links are shown as a list."""
@@ -29,12 +29,12 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
         return ""
     n = len(snapshot.state.poses)
     numbers = range(1, n + 1)
-    both = {i: {f"{upstream(i, n)}->{i}", f"{i}->{downstream(i, n)}"} for i in numbers}
+    both = {i: {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))} for i in numbers}
     return render(
         "panels/link_matrix.html",
         numbers=numbers,
         few=n <= MATRIX_ROBOTS,
-        links={(link.sender, link.receiver): link for link in links},
+        links={link.id: link for link in links},
         hues={i: hue(i, n) for i in numbers},
         colour_of=_colour,
         target=target,

@@ -4,6 +4,7 @@ import viser
 
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
+from formation.links import LinkId
 
 GOOD, BAD, NEUTRAL = (52, 199, 150), (240, 72, 92), (86, 180, 233)
 AT_ONCE = 4
@@ -18,7 +19,7 @@ class Notices:
         self._server = server
         self._episode = -1
         self._newest: int | None = None
-        self._lost: set[str] = set()
+        self._lost: set[LinkId] = set()
         self._world_alive = True
         server.on_client_connect(_welcome)
 
@@ -54,9 +55,9 @@ class Notices:
             self.notify(None, "The world publishes nothing", "The page shows its last state and waits.")
 
     def _links(self, episode: int, links: list[LinkView]) -> None:
-        lost = {link.name: link for link in links if link.lost and not link.deaf}  # an agent's own event is a notice
+        lost = {link.id: link for link in links if link.lost and not link.deaf}  # an agent's own event is a notice
         if episode == self._episode:
-            worse = [lost[name] for name in sorted(lost.keys() - self._lost)]
+            worse = [lost[link] for link in sorted(lost.keys() - self._lost)]
             if len(worse) > AT_ONCE:
                 self.notify(None, f"{len(worse)} links lost", "Robots plan with the last plans they received.")
             else:

@@ -8,9 +8,9 @@ from typing import Any
 
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
+from network.bus import Bus
 from network.control import Clear, Operation, SetFault
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
 
 QUIET_SECONDS = 0.08
 """A slider that is dragged sends many values; the last one is requested once it has rested for so long [s]."""
@@ -24,7 +24,7 @@ Notify = Callable[[int | None, str, str], None]
 class RequestQueue:
     """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, session: Session, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+    def __init__(self, session: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
         self._session, self._telemetry, self._notify = session, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = (
             SimpleQueue()

@@ -27,7 +27,6 @@ def _environment() -> Environment:
         metres=formatting.length,
         seconds=formatting.duration,
         arrow=formatting.arrow,
-        fault_text=formatting.fault_text,
         level_colour=formatting.level_colour,
     )
     return made

@@ -24,7 +24,7 @@ FLAGS = (
     "--disable-quic",
     "--no-first-run",
 )
-"""Without a graphics card, a canvas that is not drawn on the processor (the plots) stalls the page for seconds."""
+"""docs/design.md, section 10: without a graphics card, other choices stall the page."""
 
 
 @pytest.fixture(scope="session")

@@ -18,6 +18,8 @@ import pytest
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
+from formation.faults import Fault
+from formation.links import LinkId
 from network.control import Compare, SetFault, UseController
 from tests.browser.browser_run import ROOT, RUN, BrowserRun
 from tests.browser.driven import Driven
@@ -107,7 +109,10 @@ def test_a_cell_of_the_link_matrix_becomes_the_target_of_faults(page: Driven, ru
     page.click_cell("both 1")
     page.until(lambda: page.chosen("Target") == "Robot 1: from and to", "target robot 1")
     page.tick("Cut", True)
-    page.until(lambda: run.state().faults == {"1->2": {"cut": True}, "3->1": {"cut": True}}, "both links cut")
+    page.until(
+        lambda: run.state().faults == {LinkId(1, 2): Fault(cut=True), LinkId(3, 1): Fault(cut=True)},
+        "both links cut",
+    )
     page.click_cell("all 0")
     page.until(lambda: page.chosen("Target") == "All links", "target all")
 
@@ -138,9 +143,7 @@ def test_where_nobody_can_kill_an_agent_the_page_shows_it(page: Driven, run: Bro
     page.show("Live")
 
 
-def test_exported_files_are_named_and_whole(
-    browser: "Browser", page: Driven, run: BrowserRun, tmp_path: Path
-) -> None:
+def test_exported_files_are_named_and_whole(browser: "Browser", page: Driven, run: BrowserRun, tmp_path: Path) -> None:
     run.ask(SetFault(link="1->2", changes={"latency": 0.05}))
     name = rf"echelon_{RUN}_triangle-circle_[a-z_]+_t\d+\.\ds\.(html|csv|png)"
     replay, plots, picture = (page.take(what, tmp_path) for what in ("Replay", "CSV", "Picture"))

@@ -11,14 +11,14 @@ from dashboard.serving.server import serve
 from network import topics
 from network.codec import encode
 from tests.builders import state
-from tests.dashboard.fakes import FakeSession, receive
+from tests.dashboard.fakes import bus, receive
 
 
 @pytest.fixture
 def page() -> Iterator[Page]:
     """A page of three robots that nobody looks at."""
     served = serve(Guard("127.0.0.1"), 0, "x")
-    made = Page(served, FakeSession())  # type: ignore[arg-type]
+    made = Page(served, bus())
     assert receive(made._telemetry, topics.state("x"), encode(state()))
     made._telemetry.update_scenario()
     assert made._frame() == 3

@@ -17,6 +17,8 @@ from hypothesis import strategies as st
 
 from formation.arrays import FloatArray
 from formation.errors import WireError
+from formation.faults import Fault
+from formation.links import LinkId
 from network import topics
 from network.codec import MAX_BYTES, decode, encode, seal, unseal
 from network.link import damaged
@@ -72,7 +74,8 @@ EVENTS = st.builds(
     kind=st.sampled_from(["run", "fault", "agent", "watchdog", "wire"]),
     text=TEXT,
 )
-FAULTS = st.dictionaries(TEXT, TABLE, max_size=2)
+LINKS = st.builds(LinkId, SENDER, SENDER).filter(lambda link: link.sender != link.receiver)
+FAULTS = st.dictionaries(LINKS, st.builds(Fault, latency=NON_NEGATIVE, loss=st.floats(0.0, 1.0), cut=FLAG), max_size=2)
 PLANS = st.builds(
     Plan,
     sender=SENDER,
@@ -114,7 +117,7 @@ BUILDERS: dict[type, st.SearchStrategy] = {
         seq=COUNT,
         stamp=NON_NEGATIVE,
         episode=COUNT,
-        link=TEXT,
+        link=LINKS,
         age=NON_NEGATIVE,
         plan=st.none() | PLANS,
         held=st.none() | PLANS,
@@ -184,7 +187,7 @@ ANY_MESSAGE = st.one_of(*BUILDERS.values())
 PLAN = Plan(2, 17, 0.17, 3, np.array([0.1, -0.2, 0.3]), 0.1, np.arange(40.0).reshape(20, 2))
 TICK = Tick(0, 17, 0.17, 3, 1, np.arange(9.0).reshape(3, 3), [1, 2, 3])
 COMMAND = Command(1, 17, 0.17, 3, 0.4, -0.2, 0.01, True, 1e-4)
-STATUS = Status(1, 17, 0.17, 3, "2->1", 0.01, None, PLAN, LinkCounts(), 1e-4, 0, 0.0, 0, 99)
+STATUS = Status(1, 17, 0.17, 3, LinkId(2, 1), 0.01, None, PLAN, LinkCounts(), 1e-4, 0, 0.0, 0, 99)
 
 
 def same(a: Any, b: Any) -> bool:

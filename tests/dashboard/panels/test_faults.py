@@ -4,19 +4,20 @@ import pytest
 
 from dashboard.page import Page
 from dashboard.panels import faults
-from formation.faults import links_named
+from formation.faults import Fault
+from formation.links import LinkId, links_named
 from tests.builders import state
 
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
     for robots in (2, 3, 16):
-        for target in faults.targets(robots):
-            for link in faults._links_of(target, robots):
+        for links in faults.targets(robots).values():
+            for link in links:
                 assert links_named(link, robots)
 
 
 def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
-    table = {"1->2": {"latency": 0.3}, "2->3": {"latency": 0.1, "cut": True}}
+    table = {LinkId(1, 2): Fault(latency=0.3), LinkId(2, 3): Fault(latency=0.1, cut=True)}
     assert faults.worst(table, ("1->2",), 3)["latency"] == 0.3
     assert not faults.worst(table, ("1->2",), 3)["cut"]
     every = faults.worst(table, ("all",), 3)
@@ -28,6 +29,6 @@ def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, cho
     panel = page._faults
     panel._target.value = choice
     assert list(panel.target) == []
-    assert faults.worst({"1->2": {"loss": 1.0}}, panel.target, 3)["loss"] == 0.0
+    assert faults.worst({LinkId(1, 2): Fault(loss=1.0)}, panel.target, 3)["loss"] == 0.0
     panel.draw(state())
     assert list(panel.target) == ["all"]

@@ -9,6 +9,8 @@ from dashboard.panels.clickable import Clickable
 from dashboard.panels.link_matrix import MATRIX_ROBOTS, link_matrix
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
+from formation.faults import Fault
+from formation.links import LinkId
 from tests.builders import state, status
 
 
@@ -29,7 +31,7 @@ def test_every_link_of_the_ring_is_there_once_and_can_be_clicked(robots: int) ->
 
 
 def test_a_cut_link_says_so() -> None:
-    html = matrix(3, faults={"1->2": {"cut": True}})
+    html = matrix(3, faults={LinkId(1, 2): Fault(cut=True)})
     assert html.count("CUT 50 ms") == 1
 
 

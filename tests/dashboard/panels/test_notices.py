@@ -8,6 +8,8 @@ import pytest
 from dashboard.panels.notices import AT_ONCE, Notices
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
+from formation.faults import Fault
+from formation.links import LinkId, plan_links
 from network.messages import Event, State
 from tests.builders import state
 
@@ -54,7 +56,7 @@ def test_an_event_of_an_agent_becomes_a_notice_once_and_those_before_the_page_do
 
 
 def test_a_cut_and_its_end_are_shown(notices: Notices, server: FakeServer) -> None:
-    for faults in ({}, {"1->2": {"cut": True}}, {"1->2": {"cut": True}}, {}):
+    for faults in ({}, {LinkId(1, 2): Fault(cut=True)}, {LinkId(1, 2): Fault(cut=True)}, {}):
         update(notices, state(faults=faults))
     assert server.titles == ["Link 1 → 2 cut", "All links are back"]
 
@@ -62,7 +64,7 @@ def test_a_cut_and_its_end_are_shown(notices: Notices, server: FakeServer) -> No
 def test_many_links_at_once_are_one_notice(notices: Notices, server: FakeServer) -> None:
     robots = AT_ONCE + 1
     update(notices, state(robots))
-    update(notices, state(robots, faults={f"{i}->{i % robots + 1}": {"cut": True} for i in range(1, robots + 1)}))
+    update(notices, state(robots, faults=dict.fromkeys(plan_links(robots), Fault(cut=True))))
     assert server.titles == [f"{robots} links lost"]
 
 

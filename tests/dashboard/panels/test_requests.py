@@ -2,19 +2,18 @@
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from dashboard.panels.requests import RequestQueue
-from network.control import Operation, Pause, SetFault
+from network.bus import Bus
+from network.control import Pause, SetFault
 from network.messages import Reply
-from network.zenoh_bus import Router, Session
-from tests.dashboard.fakes import FakeTelemetry, FakeWorld
+from tests.dashboard.fakes import FakeTelemetry, world
 
 
-def request_queue(world: FakeWorld | Session, shown: list[str]) -> RequestQueue:
-    requests = RequestQueue(world, FakeTelemetry(), lambda page, title, text: shown.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+def request_queue(session: Bus, shown: list[str]) -> RequestQueue:
+    requests = RequestQueue(session, FakeTelemetry(), lambda page, title, text: shown.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
     requests.start()
     return requests
 
@@ -28,7 +27,7 @@ def wait_until(holds: Callable[[], bool]) -> None:
 
 def test_a_refusal_is_shown_on_the_page_that_asked() -> None:
     shown: list[str] = []
-    requests = request_queue(FakeWorld(Reply(False, "latency: too long")), shown)
+    requests = request_queue(world(Reply(False, "latency: too long"))[0], shown)
     requests.ask(Pause(), 3)
     wait_until(lambda: shown == ["3 Not done: latency: too long"])
     requests.stop()
@@ -36,33 +35,33 @@ def test_a_refusal_is_shown_on_the_page_that_asked() -> None:
 
 def test_a_missing_reply_is_shown() -> None:
     shown: list[str] = []
-    requests = request_queue(FakeWorld(None), shown)
+    requests = request_queue(world(None)[0], shown)
     requests.ask(Pause(), 3)
     wait_until(lambda: len(shown) == 1 and "No answer: The world did not answer" in shown[0])
     requests.stop()
 
 
-def test_a_router_that_is_gone_is_shown_as_such(tmp_path: Path) -> None:
-    endpoint = f"unixsock-stream/{tmp_path}/router"
-    router = Router(endpoint)
+def test_a_router_that_is_gone_is_shown_as_such() -> None:
     shown: list[str] = []
-    with Session(endpoint, "x") as session:
-        router.close()
-        wait_until(lambda: not session.connected)
-        requests = request_queue(session, shown)
-        requests.ask(Pause(), 3)
-        wait_until(lambda: len(shown) == 1 and "The network is gone" in shown[0])
-        requests.stop()
+    session, asked = world(Reply(True))
+    session.up = False
+    requests = request_queue(session, shown)
+    requests.ask(Pause(), 3)
+    wait_until(lambda: len(shown) == 1 and "The network is gone" in shown[0])
+    requests.stop()
+    assert not asked
 
 
-def test_an_error_without_a_text_does_not_end_the_thread(caplog: pytest.LogCaptureFixture) -> None:
-    class Broken(FakeWorld):
-        def ask(self, operation: Operation) -> Reply | None:
-            super().ask(operation)
-            raise RuntimeError
+def test_an_error_without_a_text_does_not_end_the_thread(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError
 
     shown: list[str] = []
-    requests = request_queue(Broken(None), shown)
+    session, _ = world(Reply(True))
+    monkeypatch.setattr(session, "fetch", broken)
+    requests = request_queue(session, shown)
     requests.ask(Pause(), 3)
     requests.ask(Pause(), None)
     wait_until(lambda: len(shown) == 2)
@@ -72,12 +71,12 @@ def test_an_error_without_a_text_does_not_end_the_thread(caplog: pytest.LogCaptu
 
 
 def test_of_a_dragged_slider_only_the_last_value_is_requested_and_in_order() -> None:
-    world = FakeWorld(Reply(True))
-    requests = request_queue(world, [])
+    session, asked = world(Reply(True))
+    requests = request_queue(session, [])
     for loss in (0.1, 0.2, 0.3):
         requests.change(("1->2", "2->3"), {"loss": loss}, None, 1)
     requests.ask(Pause(), 1)
-    wait_until(lambda: len(world.asked) == 3)
+    wait_until(lambda: len(asked) == 3)
     requests.stop()
-    assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
-    assert world.asked[2] == Pause()
+    assert asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
+    assert asked[2] == Pause()

@@ -5,6 +5,8 @@ import pytest
 
 from dashboard.scene.layers import Sizes, arrows, held_plans, horizons, own_plans
 from dashboard.telemetry.links import ring_links
+from formation.faults import Fault
+from formation.links import LinkId
 from tests.builders import plan, state, status
 
 
@@ -23,7 +25,7 @@ def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None
 @pytest.mark.parametrize("robots", [2, 3, 20])
 def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
     poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
-    now = state(robots, faults={"1->2": {"cut": True}})
+    now = state(robots, faults={LinkId(1, 2): Fault(cut=True)})
     drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
     shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
     for sender in range(robots):

@@ -4,6 +4,8 @@ import numpy as np
 
 from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, ExportBuffer
 from dashboard.telemetry.links import ring_links
+from formation.faults import Fault
+from formation.links import LinkId
 from network.messages import Event
 from tests.builders import state
 from tests.dashboard.fakes import kept
@@ -49,5 +51,5 @@ def test_another_episode_begins_anew_with_its_own_events() -> None:
 
 
 def test_flags_tell_who_is_lost_held_and_cut() -> None:
-    data = kept(state(live=[1, 2], stopped=[3], faults={"1->2": {"cut": True}}))
+    data = kept(state(live=[1, 2], stopped=[3], faults={LinkId(1, 2): Fault(cut=True)}))
     assert [int(flags) for flags in data.flags[0]] == [LOST | CUT, LOST, DEAD | HELD], "nobody hears robot 2"

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, PlainValidator
 
 from formation.arrays import FloatArray
+from formation.schema import MAX_SCENARIO
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -60,7 +61,7 @@ Real = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(strict=True, gt=0.0)]
 NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
 Text = Annotated[str, Field(strict=True, max_length=65536)]
-LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
+LongText = Annotated[str, Field(strict=True, max_length=MAX_SCENARIO)]
 Flag = Annotated[bool, Field(strict=True)]
 
 

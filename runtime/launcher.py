@@ -10,6 +10,7 @@ from typing import Any, Self
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
+from formation.scenario.files import is_file
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -62,6 +63,10 @@ class LiveRun:
         page = options.get("dashboard")
         address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
         self._claim = Claim(name, page=address)
+        if is_file(source):  # a pipe can be read once only, and nobody else needs the files that it names
+            file = self._claim.path / "scenario.json"
+            file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
+            source, settings = str(file), []
         self._plan = Plan(
             name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
         )

@@ -16,7 +16,7 @@ from formation.arrays import FloatArray
 from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
 from formation.metrics import pattern_errors, tracking_error
-from formation.paths.kinds import heading
+from formation.paths.path import heading
 from formation.pattern import rotate
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario

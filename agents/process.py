@@ -16,11 +16,12 @@ from formation.errors import WireError
 from formation.faults import Fault
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.lifetime import Lifetime
 from network.messages import WORLD, Plan, Tick
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 
 STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
@@ -35,7 +36,7 @@ KEPT_PLANS = 256
 class AgentNode:
     """Keeps the agent of one robot in touch with the world and its neighbour."""
 
-    def __init__(self, session: Session, robot: int, lifetime: Lifetime) -> None:
+    def __init__(self, session: ZenohBus, robot: int, lifetime: Lifetime) -> None:
         self._session, self._robot, self._lifetime = session, robot, lifetime
         self._rejects = ThrottledLog()
         self._agent: Agent | None = None

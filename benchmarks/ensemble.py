@@ -15,15 +15,16 @@ from agents.process import STATUS_INTERVAL
 from formation.pattern import downstream
 from formation.scenario.files import load
 from network import topics
+from network.bus import Presence, Sample
 from network.codec import encode
 from network.lifetime import Lifetime
 from network.messages import Message, Tick
-from network.zenoh_bus import Presence, Sample, Session
+from network.zenoh_bus import ZenohBus
 from world.process import WorldNode
 from world.world import World
 
 
-class Ensemble(Session):
+class Ensemble(ZenohBus):
     """The world's place on the network, with every mind behind it."""
 
     def __init__(self, endpoint: str, run: str) -> None:

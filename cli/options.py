@@ -9,14 +9,14 @@ from formation.faults import PRESETS
 from formation.scenario import files
 from formation.scenario.registry import NAMES
 from formation.scenario.scenario import Scenario
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
 
 DEFAULT_SCENARIO = "triangle-circle"
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """What to fly, and how it differs from its file."""
+    """The scenario, and its differences from the file."""
     parser.add_argument(
         "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
     )
@@ -71,25 +71,25 @@ def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
 
 
 def source(options: argparse.Namespace) -> str:
-    """The scenario's name, or its file as every process finds it."""
+    """The scenario's name, or the absolute path of its file."""
     name: str = options.scenario
     return str(Path(name).absolute()) if files.is_file(name) else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Which live run to talk to."""
+    """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
     parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
 
 
-def session(options: argparse.Namespace) -> Session:
+def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
     if options.connect is not None:
-        return Session(options.connect, options.run or "echelon")
+        return ZenohBus(options.connect, options.run or "echelon")
     run = find(options.run)
-    return Session(run.endpoint, run.name)
+    return ZenohBus(run.endpoint, run.name)
 
 
 def tell(line: str) -> None:
-    """A line for people, beside the results."""
+    """Print a line for the user on stderr, apart from the results."""
     print(f"echelon: {line}", file=sys.stderr, flush=True)

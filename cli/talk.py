@@ -1,22 +1,22 @@
-"""Talking with the world of a live run from a command."""
+"""Requests from a command to the world of a live run."""
 
 import contextlib
 
 from formation.errors import EchelonError, WireError
 from network import topics
+from network.bus import Bus, Sample
 from network.codec import decode
 from network.control import Operation
 from network.messages import Reply, State
-from network.zenoh_bus import Sample, Session
 
 ANSWER_SECONDS = 3.0
 
 
-def ask(session: Session, operation: Operation) -> Reply:
-    """Have the world do something.
+def ask(session: Bus, operation: Operation) -> Reply:
+    """Send an operation to the world.
 
     Raises:
-        EchelonError: it does not answer, or refuses; the text is its reason.
+        EchelonError: the world does not answer, or refuses with a reason.
     """
     reply = session.ask(operation, timeout=ANSWER_SECONDS)
     if reply is None:
@@ -26,15 +26,15 @@ def ask(session: Session, operation: Operation) -> Reply:
     return reply
 
 
-def newest_state(session: Session) -> State:
-    """What the world says now.
+def newest_state(session: Bus) -> State:
+    """The newest State of the world.
 
     Raises:
-        EchelonError: it says nothing.
+        EchelonError: it publishes none.
     """
     session.subscribe(topics.state(session.run))
     for item in session.incoming(ANSWER_SECONDS):
         if isinstance(item, Sample):
-            with contextlib.suppress(WireError):  # somebody else's garbage
+            with contextlib.suppress(WireError):  # not a valid message
                 return decode(State, item.payload)
-    raise EchelonError(f"expected the world of run {session.run} to say how it is; it is silent")
+    raise EchelonError(f"expected the world of run {session.run} to publish its state; it is silent")

@@ -8,7 +8,7 @@ from dashboard.page import Page
 from dashboard.serving import access, server
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -26,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
         served = server.serve(guard, options.port, "Run control")
         lifetime = Lifetime()
         try:
-            with Session(options.connect, options.run) as session:
+            with ZenohBus(options.connect, options.run) as session:
                 page = Page(served, session)
                 port = served.get_port()
                 where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"

@@ -27,10 +27,10 @@ from dashboard.telemetry.subscriber import Snapshot, TelemetrySubscriber
 from dashboard.theme.formatting import legend
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from dashboard.theme.stylesheet import sheet
+from network.bus import Bus
 from network.lifetime import Lifetime
 from network.messages import State
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
 
 FRAME = 1.0 / 30.0
 CROWD_FRAME = 1.0 / 18.0
@@ -46,7 +46,7 @@ NOBODY = "none"
 class Page:
     """Everything that is shown, and where it comes from."""
 
-    def __init__(self, server: viser.ViserServer, session: Session) -> None:
+    def __init__(self, server: viser.ViserServer, session: Bus) -> None:
         """Lay the page out."""
         self._server = server
         self._telemetry = TelemetrySubscriber(session)

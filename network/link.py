@@ -1,4 +1,4 @@
-"""One faulty directed link, without any I/O: push what was sent, pop what is due (DESIGN section 4).
+"""One faulty directed link, without any I/O: push what was sent, pop what is due (docs/design.md, section 4).
 
 It stands at the receiver. What happens to a message is drawn from (seed, source, target, seq) alone, so the same
 messages meet the same faults whatever the controller, the timing or the machine.

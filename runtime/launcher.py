@@ -3,7 +3,6 @@
 import contextlib
 import signal
 from collections.abc import Callable
-from queue import Empty
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,10 +13,11 @@ from formation.scenario.files import is_file
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.process_list import Plan, agent, programs
 from runtime.run_registry import Claim
@@ -72,7 +72,7 @@ class LiveRun:
         )
         self._supervisor = Supervisor(name, tell)
         self._handlers: dict[signal.Signals, Any] = {}
-        self._session: Session | None = None
+        self._session: ZenohBus | None = None
         self._state: State | None = None
 
     def __enter__(self) -> Self:
@@ -81,7 +81,7 @@ class LiveRun:
         try:
             ensure_compiled(self._tell)
             self._supervisor.start(programs(self._plan, self._scenario))
-            self._session = Session(self._plan.connect, self._plan.run)
+            self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
             self._session.appear("launcher")
         except BaseException:
@@ -127,11 +127,7 @@ class LiveRun:
 
     def _listen(self) -> None:
         assert self._session is not None
-        while True:
-            try:
-                item = self._session.inbox.get_nowait()
-            except Empty:
-                return
+        for item in self._session.arrivals():
             if isinstance(item, Sample):
                 with contextlib.suppress(WireError):  # not a valid message; its receivers count it
                     self._state = decode(State, item.payload)

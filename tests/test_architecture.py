@@ -1,4 +1,4 @@
-"""The arrows between the rooms point one way, and some words are spoken in one room only (DESIGN sections 1 and 8)."""
+"""Imports between rooms point one way, and some modules are imported in one room only (docs/design.md, section 1)."""
 
 import ast
 import tomllib
@@ -44,7 +44,8 @@ INSIDE: dict[str, list[set[str]]] = {
         {"messages", "lifetime", "throttled_log", "run_folder"},
         {"topics"},
         {"codec", "control", "link"},
-        {"zenoh_bus", "reference"},
+        {"bus", "reference"},
+        {"zenoh_bus", "memory_bus"},
         {"health", "__main__"},
     ],
     "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],
@@ -76,9 +77,9 @@ CLOCKS = {
     "cli",
     "dashboard",
     "network/__main__.py",
+    "network/bus.py",
     "network/lifetime.py",
     "network/throttled_log.py",
-    "network/zenoh_bus.py",
     "runtime",
     "world/presence.py",
     "world/process.py",

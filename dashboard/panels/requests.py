@@ -8,9 +8,9 @@ from typing import Any
 
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
+from network.bus import Bus
 from network.control import Clear, Operation, SetFault
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
 
 QUIET_SECONDS = 0.08
 """A slider that is dragged says many values; the one on which it rests is sent."""
@@ -23,7 +23,7 @@ Notify = Callable[[int | None, str, str], None]
 class RequestQueue:
     """Takes what people ask for, in order, and tells them if it was refused."""
 
-    def __init__(self, session: Session, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+    def __init__(self, session: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
         self._session, self._telemetry, self._notify = session, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None wakes
         self._lock = threading.Lock()

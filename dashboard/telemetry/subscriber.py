@@ -10,7 +10,6 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
-from queue import Empty
 from time import monotonic
 from typing import Any
 
@@ -25,10 +24,10 @@ from formation.metrics import wrapped
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Bus, Sample
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Sample, Session
 
 WAITING_GHOSTS = 1000
 """Ghost messages that wait, at most: a ghost that catches up publishes 450 in a row."""
@@ -62,7 +61,7 @@ class Snapshot:
 class TelemetrySubscriber:
     """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Bus) -> None:
         """Subscribe; `start` then begins to receive."""
         self._session = session
         self._lock = threading.Lock()
@@ -141,12 +140,9 @@ class TelemetrySubscriber:
 
     def _listen(self) -> None:
         while not self._over:
-            try:
-                item = self._session.inbox.get(timeout=0.5)
-            except Empty:
-                continue
-            if isinstance(item, Sample):
-                self._take(item)
+            for item in self._session.arrivals(0.5):
+                if isinstance(item, Sample):
+                    self._take(item)
 
     def _take(self, sample: Sample) -> None:
         try:

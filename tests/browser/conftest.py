@@ -24,7 +24,7 @@ FLAGS = (
     "--disable-quic",
     "--no-first-run",
 )
-"""design/VISER.md, section 3: without a graphics card every other choice stalls the page."""
+"""docs/design.md, section 10: without a graphics card, other choices stall the page."""
 
 
 @pytest.fixture(scope="session")

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import IO, Self
 
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.control import Operation
 from network.messages import Ghost, State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 
 ROOT = Path(__file__).parents[2]
 RUN = "browser"
@@ -102,7 +103,7 @@ class Flight:
 
     def state(self, seconds: float = 5.0) -> State:
         """What the world says now."""
-        with Session(self.endpoint, RUN) as session:
+        with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=seconds)
@@ -111,7 +112,7 @@ class Flight:
 
     def ghost(self, seconds: float = 10.0) -> Ghost:
         """What the ghost says next."""
-        with Session(self.endpoint, RUN) as session:
+        with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.ghost(RUN))
             for item in session.incoming(seconds):
                 if isinstance(item, Sample):
@@ -120,7 +121,7 @@ class Flight:
 
     def ask(self, operation: Operation) -> None:
         """Have the world do something, as another page would."""
-        with Session(self.endpoint, RUN) as session:
+        with ZenohBus(self.endpoint, RUN) as session:
             reply = session.ask(operation, timeout=10.0)
             assert reply is not None
             assert reply.ok, reply.reason

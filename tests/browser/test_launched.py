@@ -14,9 +14,10 @@ from urllib.parse import urlsplit
 import pytest
 
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.messages import State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from tests.browser.driven import Driven
 from tests.browser.live_page import ROOT
@@ -55,7 +56,7 @@ class Launched:
 
     def state(self) -> State:
         """What the world says now."""
-        with Session(self.endpoint, RUN) as session:
+        with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=10.0)

@@ -7,7 +7,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from queue import SimpleQueue
 from types import SimpleNamespace
 from typing import Any
 
@@ -35,10 +34,11 @@ from formation import unicycle
 from formation.faults import links_named
 from formation.scenario.files import load
 from network import topics
-from network.codec import encode, seal
-from network.control import Operation, Pause, SetFault
-from network.messages import Event, LinkCounts, Reply, Setup
-from network.zenoh_bus import Incoming, Router, Sample, Session, Wake
+from network.bus import Bus, Incoming, Query, Sample
+from network.codec import decode, encode, seal
+from network.control import Operation, Pause, SetFault, operation
+from network.memory_bus import KeptInMemory, MemoryBus, MemoryHub
+from network.messages import Event, LinkCounts, Reply, Request, Setup
 from tests.builders import plan, state, status
 
 ROOT = Path(__file__).parents[2]
@@ -165,15 +165,20 @@ def test_a_wrong_port_is_a_mistake_of_the_users(port: str) -> None:
     assert "expected a port from 0 to 65535" in done.stderr
 
 
-class _World:
-    """Answers as a world does."""
+def _world(reply: Reply | None) -> tuple[MemoryBus, list[Operation]]:
+    """A bus on which a world answers so, or not at all; and what it has been asked for."""
+    hub, asked = MemoryHub(), list[Operation]()
+    served = hub.join("x")
+    served.serve(topics.control("x"))
 
-    def __init__(self, reply: Reply | None, *, connected: bool = True) -> None:
-        self.reply, self.connected, self.asked = reply, connected, list[Operation]()
+    def react(item: Incoming) -> None:
+        assert isinstance(item, Query)
+        asked.append(operation(decode(Request, item.payload)))
+        if reply is not None:
+            item.answer(encode(reply))
 
-    def ask(self, operation: Operation) -> Reply | None:
-        self.asked.append(operation)
-        return self.reply
+    served.react = react
+    return hub.join("x"), asked
 
 
 class _Feed:
@@ -181,8 +186,8 @@ class _Feed:
         pass
 
 
-def _requests(world: _World | Session, told: list[str]) -> RequestQueue:
-    requests = RequestQueue(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+def _requests(bus: Bus, told: list[str]) -> RequestQueue:
+    requests = RequestQueue(bus, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
     requests.start()
     return requests
 
@@ -196,7 +201,7 @@ def _wait(holds: Callable[[], bool]) -> None:
 
 def test_a_refusal_is_told_to_the_page_that_asked() -> None:
     told: list[str] = []
-    requests = _requests(_World(Reply(False, "latency: too long")), told)
+    requests = _requests(_world(Reply(False, "latency: too long"))[0], told)
     requests.ask(Pause(), 3)
     _wait(lambda: told == ["3 Not done: latency: too long"])
     requests.stop()
@@ -204,33 +209,33 @@ def test_a_refusal_is_told_to_the_page_that_asked() -> None:
 
 def test_silence_is_told_too() -> None:
     told: list[str] = []
-    requests = _requests(_World(None), told)
+    requests = _requests(_world(None)[0], told)
     requests.ask(Pause(), 3)
     _wait(lambda: len(told) == 1 and "No answer: The world did not answer" in told[0])
     requests.stop()
 
 
-def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
-    endpoint = f"unixsock-stream/{tmp_path}/router"
-    router = Router(endpoint)
+def test_a_network_that_is_gone_is_told_as_such() -> None:
     told: list[str] = []
-    with Session(endpoint, "x") as session:
-        router.close()
-        _wait(lambda: not session.connected)
-        requests = _requests(session, told)
-        requests.ask(Pause(), 3)
-        _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
-        requests.stop()
+    bus, asked = _world(Reply(True))
+    bus.up = False
+    requests = _requests(bus, told)
+    requests.ask(Pause(), 3)
+    _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
+    requests.stop()
+    assert not asked
 
 
-def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureFixture) -> None:
-    class Broken(_World):
-        def ask(self, operation: Operation) -> Reply | None:
-            super().ask(operation)
-            raise RuntimeError
+def test_an_error_without_words_does_not_end_the_desk(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError
 
     told: list[str] = []
-    requests = _requests(Broken(None), told)
+    bus, _ = _world(Reply(True))
+    monkeypatch.setattr(bus, "fetch", broken)
+    requests = _requests(bus, told)
     requests.ask(Pause(), 3)
     requests.ask(Pause(), None)
     _wait(lambda: len(told) == 2)
@@ -240,44 +245,25 @@ def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureF
 
 
 def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
-    world = _World(Reply(True))
-    requests = _requests(world, [])
+    bus, asked = _world(Reply(True))
+    requests = _requests(bus, [])
     for loss in (0.1, 0.2, 0.3):
         requests.change(("1->2", "2->3"), {"loss": loss}, None, 1)
     requests.ask(Pause(), 1)
-    _wait(lambda: len(world.asked) == 3)
+    _wait(lambda: len(asked) == 3)
     requests.stop()
-    assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
-    assert world.asked[2] == Pause()
+    assert asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
+    assert asked[2] == Pause()
 
 
-class _Line:
-    """A session on which a test says what comes in."""
-
-    run, connected = "x", True
-
-    def __init__(self) -> None:
-        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
-        self.kept: dict[str, list[Sample]] = {}
-
-    def keep(self, key: str, depth: int) -> Any:
-        waiting = self.kept.setdefault(key, [])
-        return SimpleNamespace(kept=waiting, take=lambda: iter([waiting.pop(0) for _ in list(waiting)]))
-
-    def subscribe(self, key: str) -> None:
-        pass
-
-    def watch(self) -> None:
-        pass
-
-    def appear(self, role: str) -> None:
-        pass
-
-    def wake(self) -> None:
-        self.inbox.put(Wake())
-
-    def setup(self) -> Setup:
-        return Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+def _line() -> MemoryBus:
+    """A bus on which a world says what it simulates."""
+    hub = MemoryHub()
+    world = hub.join("x")
+    world.serve(topics.control("x"))
+    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+    world.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
+    return hub.join("x")
 
 
 def _take(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
@@ -302,7 +288,7 @@ def _take(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
     ],
 )
 def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
-    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    telemetry = TelemetrySubscriber(_line())
     assert _take(telemetry, topics.state("x"), encode(state()))
     assert not _take(telemetry, topics.state("x"), encode(state(stamp=2.0, **changes)))
     said = telemetry.snapshot().state
@@ -311,7 +297,7 @@ def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
 
 
 def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
-    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    telemetry = TelemetrySubscriber(_line())
     assert _take(telemetry, topics.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
     said = telemetry.snapshot().state
     assert said is not None
@@ -319,8 +305,8 @@ def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
 
 
 def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
-    line = _Line()
-    telemetry = TelemetrySubscriber(line)  # type: ignore[arg-type]
+    line = _line()
+    telemetry = TelemetrySubscriber(line)
     good = status(1, 3, plan=plan(1, 5))
     for sender, payload in (
         (1, encode(good)),
@@ -328,7 +314,7 @@ def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
         (1, seal(b"whole, but no status")),
         (2, encode(good)),
     ):
-        line.kept[topics.status("x", "*")].append(Sample(topics.status("x", sender), payload))
+        line.receive(Sample(topics.status("x", sender), payload))
     said = telemetry.snapshot().statuses
     assert list(said) == [1]
     assert said[1].plan is not None
@@ -340,7 +326,7 @@ def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
 def page() -> Iterator[Page]:
     """A page of three robots that nobody looks at."""
     served = serve(Guard("127.0.0.1"), 0, "x")
-    made = Page(served, _Line())  # type: ignore[arg-type]
+    made = Page(served, _line())
     assert _take(made._telemetry, topics.state("x"), encode(state()))
     made._telemetry.update_scenario()
     assert made._frame() == 3
@@ -400,7 +386,7 @@ def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
 def test_who_waits_for_others_is_said_with_how_far_behind_it_is(page: Page) -> None:
     behind = dataclasses.replace(plan(2, 99), lag=1.26)
     for said in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
-        page._telemetry._waiting.kept.append(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
+        page._telemetry._waiting.put(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
     snapshot, views = page._keep()
     assert "1.3 s behind the clock" in condition(snapshot)[2]
     rows = tables.robots(snapshot, views, page._clickable).split("<tr")
@@ -447,11 +433,12 @@ def test_the_first_frame_of_a_scenario_shows_everything(page: Page) -> None:
 
 def test_what_a_dead_mind_said_last_is_forgotten_also_if_it_comes_late(page: Page) -> None:
     telemetry = page._telemetry
-    waiting: list[Sample] = telemetry._waiting.kept  # type: ignore[attr-defined]
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting = telemetry._waiting
+    assert isinstance(waiting, KeptInMemory)
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     assert list(telemetry.snapshot().statuses) == [2]
     assert _take(telemetry, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
-    waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
+    waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     snapshot, views = page._keep()
     assert not snapshot.statuses
     assert [(view.label, view.lost) for view in views] == [("LOST", True), ("...", False), ("...", False)]

@@ -14,7 +14,7 @@ MISTAKES = {
     "scenario": (["run", "cirle"], ["scenario", "cirle", "figure8", "did you mean circle"]),
     "file": (["run", "nowhere.toml"], ["nowhere.toml"]),
     "controller": (["run", "--controller", "nsh"], ["controller.name", "nash", "paper", "leader_follower"]),
-    "one mind": (["run", "--controller", "centralised"], ["controller.name", "--engine inprocess", "nash"]),
+    "no process": (["run", "--controller", "centralised"], ["controller.name", "--engine inprocess", "nash"]),
     "preset": (["run", "--faults", "wify"], ["wifi", "congested", "wify"]),
     "key": (["run", "--set", "link.latncy=1"], ["link.latncy", "latency"]),
     "range": (["run", "--set", "link.loss=2"], ["link.loss", "at most 1", "2"]),

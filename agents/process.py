@@ -13,7 +13,6 @@ from pydantic import ValidationError
 
 from agents.agent import Agent, Answer
 from formation.errors import WireError
-from formation.faults import Fault
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Sample
@@ -157,7 +156,6 @@ class AgentNode:
             setup = self._session.setup()
             if setup is None:
                 return False
-            faults = {link: Fault.model_validate(fault) for link, fault in setup.faults.items()}
             if self._setup is None or self._setup[0] != setup.episode:
                 self._begin(Scenario.model_validate_json(setup.scenario), setup.episode)
                 self._lockstep = setup.mode == "lockstep"
@@ -165,7 +163,7 @@ class AgentNode:
             self._rejects.add("setup", error)
             return False
         if self._agent is not None:
-            self._agent.set_faults(faults)
+            self._agent.set_faults(setup.faults)
         self._setup = (setup.episode, setup.revision)
         return True
 

@@ -13,7 +13,7 @@ MAX_SCENARIO = 4 << 20
 class Model(BaseModel):
     """A frozen value that refuses keys it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, use_attribute_docstrings=True)
 
     def __eq__(self, other: object) -> bool:
         """Same type and same values; what was cached on the way does not count."""

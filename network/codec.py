@@ -14,6 +14,8 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from formation.errors import WireError
+from formation.faults import Fault
+from formation.links import LinkId
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Event, LinkCounts, Message
 from network.topics import MESSAGES
@@ -35,7 +37,7 @@ def encode(message: Message) -> bytes:
     body: dict[str, Any] = {"type": _NAMES[kind], "version": VERSION}
     for name in _FIELDS[kind]:
         body[name] = getattr(message, name)
-    return seal(msgpack.packb(body, default=_plain))
+    return seal(msgpack.packb(body, default=_plain, strict_types=True))
 
 
 def seal(body: bytes) -> bytes:
@@ -60,6 +62,14 @@ def unseal(payload: bytes) -> bytes:
 def _plain(value: object) -> object:
     if isinstance(value, np.ndarray):
         return np.ascontiguousarray(value, dtype="<f8").tobytes()
+    if isinstance(value, LinkId):
+        return str(value)
+    if isinstance(value, Fault):
+        return value.plain()
+    if isinstance(value, tuple):
+        return list(value)
+    if isinstance(value, float):  # numpy's
+        return float(value)
     if type(value) in _FIELDS:
         return {name: getattr(value, name) for name in _FIELDS[type(value)]}
     raise TypeError(f"cannot be sent: {value!r}")

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from formation.links import LinkId
 from network.messages import Event, LinkCounts, Plan, State, Status
 
 
@@ -23,7 +24,7 @@ def status(
         seq=100,
         stamp=stamp,
         episode=0,
-        link=f"{upstream}->{sender}",
+        link=LinkId(upstream, sender),
         age=age,
         plan=plan,
         held=held,

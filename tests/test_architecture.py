@@ -34,6 +34,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"arrays", "errors", "units", "unicycle"},
         {"pattern", "validation"},
         {"shapes", "schema", "metrics"},
+        {"links"},
         {"formation_spec", "faults", "disturbances", "paths"},
         {"offsets"},
         {"orientation"},
@@ -41,7 +42,8 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"fields", "lifetime", "throttled_log", "run_folder"},
+        {"messages"},
         {"topics"},
         {"codec", "control", "link"},
         {"bus", "reference"},

@@ -108,8 +108,7 @@ class RunControl:
     def _faults_since(self, known: int) -> dict[str, Any]:
         world = self._world
         tables = world.faults.since(known)
-        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
-        return {"episode": world.episode, "changes": world.faults.changes, "tables": told}
+        return {"episode": world.episode, "changes": world.faults.changes, "tables": tables}
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)

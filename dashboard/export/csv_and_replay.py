@@ -17,7 +17,7 @@ from dashboard.telemetry.links import LOST_SECONDS
 from dashboard.theme.limits import DISTANCE_LIMIT, TRACKING_LIMIT
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
-from formation.pattern import downstream
+from formation.links import plan_links
 from formation.scenario.scenario import Scenario
 
 _PLAYER = Path(__file__).with_name("replay.html")
@@ -37,7 +37,7 @@ def as_csv(record: ExportData) -> bytes:
     named = (
         ("distance_error_m", "distance_error", [f"R{i}" for i in numbers]),
         ("angle_error_rad", "angle_error", [f"R{i}" for i in numbers]),
-        ("plan_age_s", "age", [f"{i}->{downstream(i, n)}" for i in numbers]),
+        ("plan_age_s", "age", [str(link) for link in plan_links(n)]),
         ("solve_s", "solve", [f"R{i}" for i in numbers]),
     )
     heads = [f"{quantity} {who}" for quantity, _, whose in named for who in whose]

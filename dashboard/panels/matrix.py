@@ -8,7 +8,7 @@ from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.formatting import FONT, MUTED, duration
 from dashboard.theme.palette import DARK, hue
-from formation.pattern import downstream, upstream
+from formation.links import LinkId
 
 MATRIX_ROBOTS = 8
 """With more robots the links stand in a list."""
@@ -54,7 +54,7 @@ def _square(n: int, views: list[LinkView], click: Clickable, chosen: Collection[
     rows += "".join(f'<td style="{MUTED};text-align:center">R{j}</td>' for j in numbers) + "</tr>"
     for i in numbers:
         dot = f'<span style="color:{hue(i, n)}">●</span>'
-        both = {f"{upstream(i, n)}->{i}", f"{i}->{downstream(i, n)}"}
+        both = {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))}
         mark = _CHOSEN if n > 2 and both == set(chosen) else ""
         hint = f'title="Both links of robot {i}"'
         rows += (
@@ -73,7 +73,7 @@ def _square(n: int, views: list[LinkView], click: Clickable, chosen: Collection[
 
 
 def _marked(view: LinkView, chosen: Collection[str]) -> str:
-    return _CHOSEN if view.name in chosen else ""
+    return _CHOSEN if str(view.id) in chosen else ""
 
 
 def _cell(view: LinkView | None) -> str:

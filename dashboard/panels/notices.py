@@ -4,6 +4,7 @@ import viser
 
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
+from formation.links import LinkId
 
 GOOD, BAD, PLAIN = (52, 199, 150), (240, 72, 92), (86, 180, 233)
 AT_ONCE = 4
@@ -18,7 +19,7 @@ class Notices:
         self._server = server
         self._epoch = -1
         self._number: int | None = None
-        self._lost: set[str] = set()
+        self._lost: set[LinkId] = set()
         self._here = True
         server.on_client_connect(_welcome)
 
@@ -54,19 +55,18 @@ class Notices:
             self.notify(None, "The world has gone silent", "Waiting for it; what you see is its last word.")
 
     def _links(self, episode: int, links: list[LinkView]) -> None:
-        now_lost = {link.name for link in links if link.lost and not link.deaf}  # that agent's loss is told anyway
+        now_lost = {link.id for link in links if link.lost and not link.deaf}  # that agent's loss is told anyway
         if episode == self._epoch:
             worse = sorted(now_lost - self._lost)
-            words = {link.name: link.label for link in links}
+            words = {link.id: link.label for link in links}
             if len(worse) > AT_ONCE:
                 self.notify(None, f"{len(worse)} links lost", "Robots plan with what they last heard.")
             else:
-                for name in worse:
-                    sender, receiver = name.split("->")
+                for lost in worse:
                     self.notify(
                         None,
-                        f"Link {sender} → {receiver} {words[name].lower()}",
-                        f"Robot {receiver} goes by the last plan it heard from robot {sender}.",
+                        f"Link {lost.sender} → {lost.receiver} {words[lost].lower()}",
+                        f"Robot {lost.receiver} goes by the last plan it heard from robot {lost.sender}.",
                     )
             if self._lost and not now_lost:
                 self.notify(None, "All links are back", "Every robot hears its neighbour again.", GOOD)

@@ -6,7 +6,7 @@ from dashboard.panels.clickable import Clickable
 from dashboard.panels.summary import lag, robot_label
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
-from dashboard.theme.formatting import FONT, LINE, MUTED, TABLE, arrow, duration, fault_text, length, light, remark
+from dashboard.theme.formatting import FONT, LINE, MUTED, TABLE, arrow, duration, length, light, remark
 from dashboard.theme.limits import WAITS_SECONDS
 from dashboard.theme.palette import hue
 from network.messages import State, Status
@@ -100,8 +100,8 @@ def in_force(state: State | None) -> str:
     if state is None or not state.faults:
         return f'<div style="{FONT};{MUTED};padding:0 10px 4px">No faults: every link is perfect.</div>'
     items = "".join(
-        f'<div style="overflow-wrap:anywhere"><b style="color:var(--{"bad" if fault.get("cut") else "warn"})">'
-        f"{arrow(link)}</b> {escape(fault_text(fault))}</div>"
+        f'<div style="overflow-wrap:anywhere"><b style="color:var(--{"bad" if fault.cut else "warn"})">'
+        f"{arrow(str(link))}</b> {escape(fault.words())}</div>"
         for link, fault in sorted(state.faults.items())
     )
     return f'<div style="{FONT};padding:0 10px 4px;max-height:84px;overflow-y:auto">{items}</div>'

@@ -8,17 +8,14 @@ import json
 import threading
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from time import monotonic
-from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
-from formation.faults import Fault
 from formation.formation_spec import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
@@ -168,10 +165,10 @@ class TelemetrySubscriber:
 
 
 def _checked(state: State) -> State:
-    """The state, with every fault's values as numbers, also where a peer sent "30%".
+    """The state, if its parts fit each other.
 
     Raises:
-        WireError: lengths of arrays differ, a robot does not exist, or a fault is not valid.
+        WireError: lengths of arrays differ, or a robot does not exist.
     """
     n = len(state.poses)
     if n > MAX_ROBOTS:
@@ -182,16 +179,7 @@ def _checked(state: State) -> State:
         for robot in getattr(state, name):
             if not 1 <= robot <= n:
                 raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
-    return replace(state, faults={link: _fault(link, given) for link, given in state.faults.items()})
-
-
-def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    try:
-        return Fault.model_validate(given).plain()
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
+    return state
 
 
 def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:

@@ -1,6 +1,5 @@
 """How numbers, links and colours are written on the page. Every string that comes from elsewhere is escaped."""
 
-from collections.abc import Mapping
 from html import escape
 
 MUTED = "color:var(--muted)"
@@ -35,23 +34,6 @@ def arrow(text: str) -> str:
 def remark(text: str) -> str:
     """A line of small print."""
     return f'<div style="{FONT};{MUTED};padding:8px 10px">{escape(text)}</div>'
-
-
-def fault_text(fault: Mapping[str, object]) -> str:
-    """A fault in a few words."""
-    if fault.get("cut"):
-        return "cut"
-    words = []
-    for key, value in fault.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            words.append(key.replace("_", " ") if value is True else f"{value}")
-        elif key in ("latency", "jitter"):
-            words.append(f"{key} {1e3 * value:.4g} ms")
-        elif key in ("loss", "duplicate", "reorder", "corrupt"):
-            words.append(f"{key} {100 * value:.3g} %")
-        else:
-            words.append(f"{key} {value:.4g}")
-    return ", ".join(words)
 
 
 def legend() -> str:

@@ -18,6 +18,8 @@ import pytest
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
+from formation.faults import Fault
+from formation.links import LinkId
 from network.control import Compare, SetFault, UseController
 from tests.browser.driven import Driven
 from tests.browser.live_page import ROOT, RUN, Flight
@@ -107,7 +109,10 @@ def test_a_cell_of_the_link_matrix_aims_the_faults(page: Driven, flight: Flight)
     page.tap("both 1")
     page.until(lambda: page.chosen("Target") == "Robot 1: from and to", "target robot 1")
     page.tick("Cut", True)
-    page.until(lambda: flight.state().faults == {"1->2": {"cut": True}, "3->1": {"cut": True}}, "both links cut")
+    page.until(
+        lambda: flight.state().faults == {LinkId(1, 2): Fault(cut=True), LinkId(3, 1): Fault(cut=True)},
+        "both links cut",
+    )
     page.tap("all 0")
     page.until(lambda: page.chosen("Target") == "All links", "target all")
 

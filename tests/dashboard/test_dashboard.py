@@ -31,7 +31,8 @@ from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme import colours, formatting
 from dashboard.theme.palette import DARK, LIGHT
 from formation import unicycle
-from formation.faults import links_named
+from formation.faults import Fault
+from formation.links import LinkId, links_named
 from formation.scenario.files import load
 from network import topics
 from network.bus import Bus, Incoming, Query, Sample
@@ -74,13 +75,13 @@ def test_colours_come_out_of_the_tone_curve_as_they_were_asked_for() -> None:
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
     for robots in (2, 3, 16):
-        for target in faults.targets(robots):
-            for link in faults._links_of(target, robots):
+        for links in faults.targets(robots).values():
+            for link in links:
                 assert links_named(link, robots)
 
 
 def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
-    table = {"1->2": {"latency": 0.3}, "2->3": {"latency": 0.1, "cut": True}}
+    table = {LinkId(1, 2): Fault(latency=0.3), LinkId(2, 3): Fault(latency=0.1, cut=True)}
     assert faults.worst(table, ("1->2",), 3)["latency"] == 0.3
     assert not faults.worst(table, ("1->2",), 3)["cut"]
     every = faults.worst(table, ("all",), 3)
@@ -147,14 +148,14 @@ def test_an_event_marks_its_time_once() -> None:
 
 def test_strings_from_elsewhere_are_escaped() -> None:
     evil = "<img src=x onerror=alert(1)>"
-    said = state(events=(Event(1, 0.0, "fault", evil),), faults={evil: {"distribution": evil}})
+    said = state(events=(Event(1, 0.0, "fault", evil),))
     for html in (tables.log(said), tables.in_force(said), formatting.remark(evil)):
         assert "<img" not in html
 
 
 def test_a_link_view_says_how_much_is_lost() -> None:
-    assert LinkView(1, 2, 0.0, {}, LinkCounts(sent=10, lost=3)).loss == 0.3
-    assert LinkView(1, 2, 0.0, {}, LinkCounts()).loss == 0.0
+    assert LinkView(LinkId(1, 2), 0.0, Fault(), LinkCounts(sent=10, lost=3)).loss == 0.3
+    assert LinkView(LinkId(1, 2), 0.0, Fault(), LinkCounts()).loss == 0.0
 
 
 @pytest.mark.parametrize("port", ["-1", "65536", "http", ""])
@@ -301,7 +302,7 @@ def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
     assert _take(telemetry, topics.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
     said = telemetry.snapshot().state
     assert said is not None
-    assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
+    assert said.faults == {LinkId(1, 2): Fault(loss=0.3, latency=0.1)}
 
 
 def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
@@ -339,7 +340,7 @@ def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, cho
     panel = page._faults
     panel._target.value = choice
     assert list(panel.target) == []
-    assert faults.worst({"1->2": {"loss": 1.0}}, panel.target, 3)["loss"] == 0.0
+    assert faults.worst({LinkId(1, 2): Fault(loss=1.0)}, panel.target, 3)["loss"] == 0.0
     panel.draw(state())
     assert list(panel.target) == ["all"]
 

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from formation.arrays import FloatArray
 from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
+from formation.links import LinkId, plan_links
 from formation.metrics import pattern_errors, tracking_error
 from formation.paths.path import heading
 from formation.pattern import rotate
@@ -194,12 +195,12 @@ def test_reset_keeps_what_people_set_without_an_end_and_forgets_figures_and_held
     w.live = {1, 2}
     assert w.state(seq=0, status="running").stopped == [1, 2, 3]
     w.reset()
-    assert w.faults.table == {"2->3": Fault(latency=0.1)}
+    assert w.faults.table == {LinkId(2, 3): Fault(latency=0.1)}
     assert w.state(seq=0, status="running").stopped == []
     assert w.summary()["ticks"] == 0
     assert w.live == {1, 2}
     simulate(w, 11, episode=1)
-    assert w.faults.table == {"1->2": Fault(loss=0.5), "2->3": Fault(latency=0.1)}
+    assert w.faults.table == {LinkId(1, 2): Fault(loss=0.5), LinkId(2, 3): Fault(latency=0.1)}
 
 
 def test_another_scenario_is_another_flight() -> None:
@@ -236,7 +237,7 @@ def test_what_people_change_is_named_by_the_next_tick() -> None:
     w.change_fault("all", {"loss": "30%"}, None)
     second = w.tick()
     assert second.revision == w.revision == w.setup().revision > first.revision
-    assert set(w.setup().faults) == {"1->2", "2->3", "3->1"}
+    assert set(w.setup().faults) == set(plan_links(3))
     w.advance(all_commands(w))
     assert w.tick().revision == second.revision
     w.clear_faults("all")
@@ -264,7 +265,7 @@ def test_state_and_setup_go_over_the_wire_and_come_back() -> None:
     again = decode(State, encode(state))
     assert (again.seq, again.stamp, again.status, again.waiting_for) == (7, pytest.approx(0.3), "running", [2])
     np.testing.assert_array_equal(again.poses, w.plant.poses)
-    assert again.faults == {link: {"loss": 0.25} for link in ("1->2", "2->3", "3->1")}
+    assert again.faults == dict.fromkeys(plan_links(3), Fault(loss=0.25))
     assert [e.text for e in again.events] == [e.text for e in w.events]
     setup = decode(Setup, encode(w.setup()))
     assert Scenario.model_validate_json(setup.scenario).model_dump() == w.scenario.model_dump()
@@ -304,7 +305,7 @@ def test_a_status_of_another_flight_or_of_nobody_is_not_heard() -> None:
     w = world()
 
     def status(sender: int, episode: int) -> Status:
-        link = f"{(sender - 2) % 3 + 1}->{sender}"
+        link = LinkId((sender - 2) % 3 + 1, sender)
         return Status(sender, 1, 0.0, episode, link, 0.0, None, None, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1)
 
     for sender, episode in ((1, 1), (4, 0), (0, 0)):
@@ -313,10 +314,10 @@ def test_a_status_of_another_flight_or_of_nobody_is_not_heard() -> None:
     assert w.counts == {}
     w.hear(status(1, 0))
     assert set(w.statuses) == {1}
-    assert w.counts == {"3->1": LinkCounts(sent=5)}
+    assert w.counts == {LinkId(3, 1): LinkCounts(sent=5)}
 
 
-@pytest.mark.parametrize("link", ["", "x->y", "1->9", "nonsense", "2->1"])
+@pytest.mark.parametrize("link", [LinkId(1, 9), LinkId(2, 1), LinkId(0, 1)])
 def test_a_status_about_a_link_that_is_not_its_senders_does_not_spoil_the_summary(link: Any) -> None:
     w = world()
     simulate(w, 3)
@@ -339,7 +340,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         ages.append([commands[i].age for i in w.robots])
         w.advance(commands)
         poses.append(w.plant.poses)
-    w.hear(Status(1, 59, 0.59, 0, "3->1", 0.0, None, None, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
+    w.hear(Status(1, 59, 0.59, 0, LinkId(3, 1), 0.0, None, None, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
     for warmup, first in ((0.0, 0), (0.25, 25)):
         s = w.summary(warmup=warmup)
         track = np.array(poses)

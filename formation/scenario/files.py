@@ -1,9 +1,8 @@
-"""Scenarios from files: by name or path, with settings applied, every mistake in a line of its own."""
+"""Scenarios from files: by name or path, with overrides, every mistake in a line of its own."""
 
-import copy
 import json
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path as File
 from typing import Any
 
@@ -11,6 +10,7 @@ from pydantic import ValidationError
 
 from formation.errors import ScenarioError, unknown
 from formation.paths.files import text_of, with_files
+from formation.scenario.overrides import Overrides, from_settings, merged
 from formation.scenario.scenario import Scenario
 from formation.schema import MAX_SCENARIO
 from formation.validation import problems
@@ -23,15 +23,15 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load(name: str, settings: Iterable[str] = ()) -> Scenario:
-    """A scenario by its name or its TOML file, with `key=value` settings applied.
+def load(name: str, overrides: Overrides | Iterable[str] = ()) -> Scenario:
+    """A scenario by its name or its TOML file, with overrides such as {"link": {"latency": 0.3}}.
 
     Raises:
         ScenarioError: it does not exist or is wrong; one line per mistake.
     """
     file = File(name)
-    beside = file.is_file() or file.suffix.lower() == ".toml"  # a pipe has nothing beside it
-    return parse(read(name), settings, where=name, folder=file.parent if is_file(name) and beside else File())
+    beside = is_file(name) and (file.is_file() or file.suffix.lower() == ".toml")  # nothing lies beside a pipe
+    return parse(read(name), overrides, where=name, folder=file.parent if beside else File())
 
 
 def read(name: str) -> dict[str, Any]:
@@ -60,26 +60,30 @@ def is_file(name: str) -> bool:
 
 
 def parse(
-    raw: dict[str, Any], settings: Iterable[str] = (), *, where: str = "scenario", folder: File | None = None
+    raw: Overrides,
+    overrides: Overrides | Iterable[str] = (),
+    *,
+    where: str = "scenario",
+    folder: File | None = None,
 ) -> Scenario:
-    """A scenario from its raw table.
+    """A scenario from its raw table, with overrides: nested, or settings such as link.latency=0.3.
 
     Args:
         raw: the table.
-        settings: key=value, applied to it.
+        overrides: of it.
         where: what errors begin with.
         folder: in which files that it names are sought; without it no file is read.
 
     Raises:
         ScenarioError: one line per mistake.
     """
-    raw = copy.deepcopy(raw)
-    for setting in settings:
-        _apply(raw, setting)
+    if not isinstance(overrides, Mapping):
+        overrides = from_settings(overrides)
+    table = merged(raw, overrides)
     if folder is not None:
-        raw = with_files(raw, folder, where)
+        table = with_files(table, folder, where)
     try:
-        scenario = Scenario.model_validate(raw)
+        scenario = Scenario.model_validate(table)
     except ValidationError as error:
         lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
         raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None
@@ -89,20 +93,3 @@ def parse(
             f"{where}: expected at most {MAX_SCENARIO >> 20} MiB, points included; got {size / (1 << 20):.1f}"
         )
     return scenario
-
-
-def _apply(raw: dict[str, Any], setting: str) -> None:
-    key, equals, text = setting.partition("=")
-    if not equals or not key.strip():
-        raise ScenarioError(f"--set: expected key=value; got {setting!r}")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
-        value = text.strip()
-    *parents, last = key.strip().split(".")
-    table = raw
-    for parent in parents:
-        table = table.setdefault(parent, {})
-        if not isinstance(table, dict):
-            raise ScenarioError(f"--set {key.strip()}: expected the path of a key; {parent} is not a table")
-    table[last] = value

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Self
 
+from formation.scenario.overrides import from_settings, to_json
 from network import topics
 from network.bus import Sample
 from network.codec import decode
@@ -48,7 +49,7 @@ class Flight:
         try:
             self.start("router", "network", "--listen", self.endpoint)
             self._wait_for(Path(self._folder.name, "router"))
-            changes = [word for setting in settings for word in ("--set", setting)]
+            changes = ["--overrides", to_json(from_settings(settings))]
             self.start("world", world, *self._run, "--scenario", scenario, "--endless", *changes)
             for robot in range(1, (robots if agents is None else agents) + 1):
                 self.start_agent(robot)

@@ -103,7 +103,7 @@ def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None
 @pytest.mark.parametrize("robots", [2, 3, 20])
 def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
     poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
-    now = state(robots, faults={"1->2": {"cut": True}})
+    now = state(robots, faults={LinkId(1, 2): Fault(cut=True)})
     drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
     shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
     for sender in range(robots):
@@ -120,7 +120,7 @@ def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_da
 
 
 def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
-    now = state(stamp=1.0, faults={"1->2": {"cut": True}})
+    now = state(stamp=1.0, faults={LinkId(1, 2): Fault(cut=True)})
     said = {2: status(2, 1, age=0.1), 3: status(3, 2, age=LOST_SECONDS + 0.1), 1: status(1, 3, age=0.01)}
     assert [view.label for view in ring_links(now, said)] == ["CUT", "LOST", "OK"]
     assert [view.lost for view in ring_links(state(stamp=3.0), said)] == [True, True, True]

@@ -14,6 +14,8 @@ from dashboard.scene.scene import route_line
 from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, ExportBuffer, ExportData
 from dashboard.telemetry.links import ring_links
 from dashboard.theme.palette import DARK, LIGHT
+from formation.faults import Fault
+from formation.links import LinkId
 from formation.scenario.files import load
 from network.messages import Event, State
 from tests.builders import state, status
@@ -82,7 +84,7 @@ def test_another_flight_begins_anew_with_its_own_events() -> None:
 
 
 def test_a_record_says_who_is_lost_held_and_cut() -> None:
-    record = kept(state(live=[1, 2], stopped=[3], faults={"1->2": {"cut": True}}))
+    record = kept(state(live=[1, 2], stopped=[3], faults={LinkId(1, 2): Fault(cut=True)}))
     assert [int(flags) for flags in record.flags[0]] == [LOST | CUT, LOST, DEAD | HELD], "nobody hears robot 2"
 
 

@@ -1,4 +1,4 @@
-"""A browser, if there is one; on CI there must be."""
+"""A browser: without one these tests are skipped, on CI they fail."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING

@@ -67,7 +67,7 @@ class Ensemble(ZenohBus):
             if answer.plan is not None:
                 self._agents[downstream(robot, len(self._agents))].receive(answer.plan)
         for robot, agent in self._agents.items():
-            self._before[robot] = answer = agent.step(tick.seq, tick.stamp, tick.poses[robot - 1])
+            self._before[robot] = answer = agent.step(tick)
             self.inbox.put(Sample(topics.command(self.run, robot), encode(answer.command)))
         if monotonic() >= self._status_due:
             self._status_due = monotonic() + STATUS_INTERVAL

@@ -87,8 +87,6 @@ class Plan:
     """k of the tick it answers."""
     stamp: NonNegative
     episode: Count
-    begins: NonNegative
-    """When the plan begins: `stamp` plus the time after which the sender's commands have an effect [s]."""
     pose: Pose
     """Pose of the sender when the plan begins, as it estimates it [m, m, rad]."""
     interval: Positive
@@ -99,6 +97,8 @@ class Plan:
     """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
     lag_rate: Real = 0.0
     """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
+    delay: NonNegative = 0.0
+    """From `stamp` to when the plan begins: the time after which the sender's commands have an effect [s]."""
     waits: Flag = False
     """Whether it holds its lag up by its own need."""
     drift: Velocity = field(default_factory=lambda: STILL)
@@ -114,6 +114,11 @@ class Plan:
     news: News = field(default_factory=lambda: NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
     __pydantic_config__ = STRICT
+
+    @property
+    def begins(self) -> float:
+        """When the plan begins [s]."""
+        return self.stamp + self.delay
 
 
 @dataclass(frozen=True, slots=True)

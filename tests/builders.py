@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from formation.arrays import FloatArray
 from formation.links import LinkId
-from network.messages import Command, Event, LinkCounts, Plan, State, Status
+from network.messages import NO_PLACES, WORLD, Command, Event, LinkCounts, Plan, State, Status, Tick
 
 TICK = 0.01
 """Control interval of every shipped scenario [s]."""
@@ -15,6 +16,25 @@ TICK = 0.01
 def plan(sender: int, seq: int, episode: int = 0, **changes: Any) -> Plan:
     """A plan of tick `seq`."""
     whole = Plan(sender, seq, TICK * seq, episode, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
+    return replace(whole, **changes)
+
+
+def tick(k: int, poses: FloatArray, *, odometry: FloatArray | None = None, **changes: Any) -> Tick:
+    """Tick k, at which localisation delivers the poses (n, 3) of all robots at once."""
+    n = len(poses)
+    whole = Tick(
+        sender=WORLD,
+        seq=k,
+        stamp=TICK * k,
+        episode=0,
+        revision=0,
+        odometry=np.zeros((n, 2)) if odometry is None else odometry,
+        planned=[],
+        measured=k,
+        poses=poses,
+        localised=list(range(1, n + 1)),
+        relatives=NO_PLACES,
+    )
     return replace(whole, **changes)
 
 

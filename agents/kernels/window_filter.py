@@ -23,6 +23,7 @@ from agents.kernels.jit import (
     named,
 )
 from agents.kernels.motion import slot_at, wrap_small
+from agents.kernels.unicycle import step
 from agents.kernels.window_state import (
     DL,
     DV,
@@ -272,7 +273,7 @@ def roll_on(w: Window, to: int, out: FloatArray, dt: float) -> None:
     for t in range(core.tick[0], to):
         v, omega = w.odometry[0, t % LENGTH, 0] + m[DV], w.odometry[0, t % LENGTH, 1] + m[DW]
         middle = theta + 0.5 * dt * omega
-        x += dt * (v * math.cos(middle) - m[DL] * math.sin(middle))
-        y += dt * (v * math.sin(middle) + m[DL] * math.cos(middle))
-        theta += dt * omega
+        x, y, theta = step(x, y, theta, v, omega, dt)
+        x -= dt * m[DL] * math.sin(middle)
+        y += dt * m[DL] * math.cos(middle)
     out[0], out[1], out[2] = x, y, theta

@@ -35,13 +35,19 @@ def plan(k: int, sender: int = 2, episode: int = 0, **changes: Any) -> Plan:
     return builders.plan(sender, k, episode, **{**values, **changes})
 
 
+def at_tick(agent: Agent, k: int, stamp: float, pose: FloatArray, speed: tuple[float, float] = (0.0, 0.0)) -> Answer:
+    """The agent's answer to tick k, at which its pose is measured and its wheels have turned with `speed`."""
+    everybody = np.tile(pose, (agent.size, 1))
+    return agent.step(builders.tick(k, everybody, odometry=np.tile(speed, (agent.size, 1)), stamp=stamp))
+
+
 def start(scenario: Scenario, robot: int) -> FloatArray:
     return scenario.start_poses()[robot - 1]
 
 
 def answers(mind: Agent, pose: FloatArray, ticks: range) -> list[Answer]:
     """Answers on consecutive ticks, with the robot held in one place."""
-    return [mind.step(k, k * TICK, pose) for k in ticks]
+    return [at_tick(mind, k, k * TICK, pose) for k in ticks]
 
 
 def believed(mind: Agent, k: int) -> int:
@@ -59,7 +65,7 @@ POSE = start(load("circle"), 1)
 def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
     mind = agent()
     mind.receive(plan(0))
-    command = mind.step(1, TICK, POSE).command
+    command = at_tick(mind, 1, TICK, POSE).command
     assert command.age == pytest.approx(TICK)
     assert believed(mind, 1) == 0
     assert mind.counts().sent == mind.counts().delivered == 1
@@ -73,7 +79,7 @@ def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
 def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger: Any) -> None:
     mind, alone = agent(), agent()
     mind.receive(stranger)
-    got, expected = mind.step(1, TICK, POSE), alone.step(1, TICK, POSE)
+    got, expected = at_tick(mind, 1, TICK, POSE), at_tick(alone, 1, TICK, POSE)
     assert mind.counts().sent == 0
     assert believed(mind, 1) == -1
     assert (got.command.v, got.command.omega) == (expected.command.v, expected.command.omega)
@@ -84,7 +90,7 @@ def test_an_agent_of_a_later_flight_believes_plans_of_that_flight() -> None:
     mind = agent(episode=7)
     mind.receive(plan(0, episode=0))
     mind.receive(plan(0, episode=7))
-    answer = mind.step(1, TICK, POSE)
+    answer = at_tick(mind, 1, TICK, POSE)
     assert mind.counts().sent == 1
     assert answer.command.episode == 7
     assert answer.plan is not None
@@ -105,9 +111,9 @@ def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None
     mind.receive(plan(0))
     mind.set_faults({})
     mind.receive(plan(10))
-    mind.step(11, 0.11, POSE)
+    at_tick(mind, 11, 0.11, POSE)
     assert believed(mind, 11) == 10
-    command = mind.step(60, 0.60, POSE).command
+    command = at_tick(mind, 60, 0.60, POSE).command
     assert mind.counts().late == 1
     assert mind.counts().delivered == 2
     assert believed(mind, 60) == 10
@@ -119,7 +125,7 @@ def test_a_damaged_plan_is_counted_and_not_used() -> None:
     mind.set_faults({LinkId(2, 1): Fault(corrupt=1.0)})
     for k in range(5):
         mind.receive(plan(k))
-        alone_answer, answer = alone.step(k, k * TICK, POSE), mind.step(k, k * TICK, POSE)
+        alone_answer, answer = at_tick(alone, k, k * TICK, POSE), at_tick(mind, k, k * TICK, POSE)
         assert answer.command.v == alone_answer.command.v
     c = mind.counts()
     assert (c.sent, c.delivered, c.corrupt) == (5, 5, 5)
@@ -131,9 +137,9 @@ def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
     mind.set_faults({LinkId(2, 1): Fault(latency=0.05)})
     mind.receive(plan(0))
     for k in range(5):
-        assert mind.step(k, k * TICK, POSE).command.v == alone.step(k, k * TICK, POSE).command.v
+        assert at_tick(mind, k, k * TICK, POSE).command.v == at_tick(alone, k, k * TICK, POSE).command.v
         assert believed(mind, k) == -1
-    command = mind.step(5, 0.05, POSE).command
+    command = at_tick(mind, 5, 0.05, POSE).command
     assert believed(mind, 5) == 0
     assert command.age == pytest.approx(0.05)
 
@@ -141,7 +147,7 @@ def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
 def test_the_scenarios_own_link_holds_from_the_first_tick() -> None:
     mind = agent(1, "link.latency=0.05")
     mind.receive(plan(0))
-    mind.step(0, 0.0, POSE)
+    at_tick(mind, 0, 0.0, POSE)
     assert mind.counts().in_flight == 1
 
 
@@ -154,7 +160,7 @@ def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(
     wild = plan(0, pose=np.full(3, number), interval=interval, inputs=np.full((20, 2), -number))
     with np.errstate(all="ignore"):
         mind.receive(decode(Plan, encode(wild)))
-        command = mind.step(1, TICK, POSE).command
+        command = at_tick(mind, 1, TICK, POSE).command
     assert abs(command.v) <= 0.5
     assert abs(command.omega) <= 2.0
 
@@ -163,7 +169,7 @@ def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(
 def test_a_plan_of_another_horizon_does_no_harm(steps: Any) -> None:
     mind = agent()
     mind.receive(plan(0, inputs=np.ones((steps, 2))))
-    command = mind.step(1, TICK, POSE).command
+    command = at_tick(mind, 1, TICK, POSE).command
     assert abs(command.v) <= 0.5
 
 
@@ -172,7 +178,7 @@ def test_a_plan_of_another_horizon_does_no_harm(steps: Any) -> None:
 
 def test_a_command_and_a_plan_carry_tick_stamp_and_sender() -> None:
     mind = agent(2)
-    answer = mind.step(37, 0.37, start(load("circle"), 2))
+    answer = at_tick(mind, 37, 0.37, start(load("circle"), 2))
     for message in (answer.command, answer.plan):
         assert message is not None
         assert (message.sender, message.seq, message.stamp, message.episode) == (2, 37, 0.37, 0)
@@ -198,15 +204,15 @@ def test_between_plans_the_plans_own_inputs_are_applied() -> None:
 
 def test_who_starts_between_two_planning_ticks_plans_at_once() -> None:
     mind = agent(1, "controller.plan_every=10")
-    assert mind.step(7, 0.07, POSE).plan is not None
-    assert mind.step(8, 0.08, POSE).plan is None
-    assert mind.step(10, 0.10, POSE).plan is not None
+    assert at_tick(mind, 7, 0.07, POSE).plan is not None
+    assert at_tick(mind, 8, 0.08, POSE).plan is None
+    assert at_tick(mind, 10, 0.10, POSE).plan is not None
 
 
 def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
     mind = agent()
     mind.receive(plan(0))
-    mind.step(3, 0.03, POSE)
+    at_tick(mind, 3, 0.03, POSE)
     said = mind.status(3, 0.03, missed=4, rejected=5, pid=6)
     assert (said.sender, said.link) == (1, LinkId(2, 1))
     assert said.held is not None
@@ -225,7 +231,7 @@ def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:
     for mind in (first, second):
         mind.receive(plan(0))
     for k in range(1, 6):
-        a, b = first.step(k, k * TICK, POSE), second.step(k, k * TICK, POSE)
+        a, b = at_tick(first, k, k * TICK, POSE), at_tick(second, k, k * TICK, POSE)
         assert (a.command.v, a.command.omega) == (b.command.v, b.command.omega)
         assert a.plan is not None
         assert b.plan is not None
@@ -245,34 +251,37 @@ def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan() -> None:
         assert not answer.command.planned
 
 
-def test_with_late_poses_it_dead_reckons_along_its_own_commands() -> None:
+def test_with_late_poses_it_dead_reckons_along_its_odometry() -> None:
     mind = agent()
     pose = tuple(POSE)
     truth = [pose]
+    speed = (0.0, 0.0)
     mind.set_faults({LinkId(0, 1): Fault(latency=0.2)})
     for k in range(100):
-        answer = mind.step(k, k * TICK, np.array(pose))
+        answer = at_tick(mind, k, k * TICK, np.array(pose), speed)
         if k < 20:
             assert answer.plan is None  # the first pose is still on its way
         else:
-            # It has the pose of 0.2 s ago; carried along what it did since, that is where it is now.
+            # It has the pose of 0.2 s ago; carried along its odometry since, that is where it is now.
             assert answer.plan is not None
             np.testing.assert_allclose(answer.plan.pose, pose, atol=1e-12)
-        pose = step(*pose, answer.command.v, answer.command.omega, TICK)
+        speed = answer.command.v, answer.command.omega
+        pose = step(*pose, *speed, TICK)
         truth.append(pose)
     assert math.dist(truth[-1][:2], truth[0][:2]) > 0.01
 
 
 def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone() -> None:
-    mind, pose = agent(), tuple(POSE)
+    mind, pose, speed = agent(), tuple(POSE), (0.0, 0.0)
     for k in range(60):
         if k == 10:
             mind.set_faults({LinkId(0, 1): Fault(cut=True)})
         measured = np.array(pose) if k < 10 else np.array([99.0, 99.0, 0.0])  # what it is not told does not matter
-        answer = mind.step(k, k * TICK, measured)
+        answer = at_tick(mind, k, k * TICK, measured, speed)
         assert answer.plan is not None
         np.testing.assert_allclose(answer.plan.pose, pose, atol=1e-12)
-        pose = step(*pose, answer.command.v, answer.command.omega, TICK)
+        speed = answer.command.v, answer.command.omega
+        pose = step(*pose, *speed, TICK)
 
 
 def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
@@ -280,7 +289,7 @@ def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
     mind.set_faults({LinkId(0, 1): Fault(cut=True)})
     answers(mind, POSE, range(5))
     mind.set_faults({})
-    answer = mind.step(5, 0.05, POSE)
+    answer = at_tick(mind, 5, 0.05, POSE)
     assert answer.plan is not None
     np.testing.assert_array_equal(answer.plan.pose, POSE)
 
@@ -288,7 +297,7 @@ def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
 def test_a_damaged_pose_is_not_believed() -> None:
     mind = agent()
     mind.set_faults({LinkId(0, 1): Fault(corrupt=1.0)})
-    assert mind.step(0, 0.0, POSE).plan is None
+    assert at_tick(mind, 0, 0.0, POSE).plan is None
 
 
 def test_a_robot_without_poses_stands_still_in_the_world_as_well() -> None:
@@ -300,7 +309,7 @@ def test_a_robot_without_poses_stands_still_in_the_world_as_well() -> None:
         tick = world.tick()
         for mind in minds.values():
             mind.set_faults(world.faults.table)
-        world.advance({i: mind.step(tick.seq, tick.stamp, tick.poses[i - 1]).command for i, mind in minds.items()})
+        world.advance({i: mind.step(tick).command for i, mind in minds.items()})
     np.testing.assert_array_equal(world.plant.poses[0], before[0])
     assert math.dist(world.plant.poses[1, :2], before[1, :2]) > 0.005
     assert world.now > WATCHDOG

@@ -26,7 +26,6 @@ from network.messages import (
     Plan,
     Reply,
     Request,
-    Tick,
 )
 from tests import builders
 from tests.strategies import PLAIN, TEXT, of
@@ -36,7 +35,7 @@ BY_KIND = {kind: of(kind) for kind in KINDS}
 ANY_MESSAGE = st.one_of(*BY_KIND.values())
 
 PLAN = builders.plan(2, 17, 3, inputs=np.arange(40.0).reshape(20, 2))
-TICK = Tick(0, 17, 0.17, 3, 1, np.arange(9.0).reshape(3, 3), [1, 2, 3])
+TICK = builders.tick(17, np.arange(9.0).reshape(3, 3), episode=3, revision=1, planned=[1, 2, 3])
 COMMAND = builders.command(1, 17)
 STATUS = builders.status(1, 2, held=PLAN)
 
@@ -294,7 +293,7 @@ def test_deep_nesting_is_a_wire_error() -> None:
 
 
 def test_the_largest_real_messages_fit_by_far() -> None:
-    state_like = Tick(0, 1, 0.0, 0, 0, np.zeros((64, 3)), list(range(1, 65)))
+    state_like = builders.tick(1, np.zeros((64, 3)), planned=list(range(1, 65)))
     plan = dataclasses.replace(PLAN, inputs=np.zeros((100, 2)))
     assert len(encode(state_like)) < MAX_BYTES / 100
     assert len(encode(plan)) < MAX_BYTES / 100

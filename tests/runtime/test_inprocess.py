@@ -34,7 +34,7 @@ def trajectory(scenario: Scenario) -> FloatArray:
         tick = world.tick()
         for agent in agents.values():
             agent.set_faults(world.faults.table)
-        answers = {i: agent.step(tick.seq, tick.stamp, tick.poses[i - 1]) for i, agent in agents.items()}
+        answers = {i: agent.step(tick) for i, agent in agents.items()}
         for i, answer in answers.items():
             if answer.plan is not None:
                 agents[downstream(i, len(agents))].receive(answer.plan)

@@ -189,8 +189,7 @@ class Bench:
         self.k, self.robot = k, robot
         self.pair = Pair(self.scenario, robot)
         self.game = Game(self.scenario, robot, self.pair)
-        ahead = self.pair.ahead(k)
-        self.slots, self.aims = ahead.slots, ahead.inputs
+        self.slots, self.aims = self.pair.ahead(k).pair
         self.x0 = self.slots[0].ravel().copy()
         self.targets = self.aims.reshape(N, 4).copy()
         q, r = weights(self.scenario)

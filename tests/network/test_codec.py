@@ -16,31 +16,29 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from formation.errors import WireError
-from formation.links import LinkId
 from network import topics
 from network.codec import MAX_BYTES, decode, encode, seal, unseal
 from network.link import damaged
 from network.messages import (
     VERSION,
     Command,
-    LinkCounts,
     Message,
     Plan,
     Reply,
     Request,
-    Status,
     Tick,
 )
+from tests import builders
 from tests.strategies import PLAIN, TEXT, of
 
 KINDS = typing.get_args(Message)
 BY_KIND = {kind: of(kind) for kind in KINDS}
 ANY_MESSAGE = st.one_of(*BY_KIND.values())
 
-PLAN = Plan(2, 17, 0.17, 3, np.array([0.1, -0.2, 0.3]), 0.1, np.arange(40.0).reshape(20, 2))
+PLAN = builders.plan(2, 17, 3, inputs=np.arange(40.0).reshape(20, 2))
 TICK = Tick(0, 17, 0.17, 3, 1, np.arange(9.0).reshape(3, 3), [1, 2, 3])
-COMMAND = Command(1, 17, 0.17, 3, 0.4, -0.2, 0.01, True, 1e-4)
-STATUS = Status(1, 17, 0.17, 3, LinkId(2, 1), 0.01, None, PLAN, LinkCounts(), 1e-4, 0, 0.0, 0, 99)
+COMMAND = builders.command(1, 17)
+STATUS = builders.status(1, 2, held=PLAN)
 
 
 def same(a: Any, b: Any) -> bool:

@@ -85,7 +85,7 @@ class RunControl:
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
                 self._roster.dismiss(robot, for_good=True)
-                world.event("run", f"agent {robot} is killed and kept down")
+                world.event("run", f"agent {robot} is killed and kept down", "warning")
             case control.Restart(robot=robot):
                 kept = self._roster.readmit(robot)
                 if not kept:

@@ -6,7 +6,8 @@ from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
 from formation.links import LinkId
 
-GOOD, BAD, NEUTRAL = (52, 199, 150), (240, 72, 92), (86, 180, 233)
+GOOD, WORSE, BAD, NEUTRAL = (52, 199, 150), (247, 184, 62), (240, 72, 92), (86, 180, 233)
+COLOURS = {"info": GOOD, "warning": WORSE, "error": BAD}
 AT_ONCE = 4
 """More than so many links lost at once are one notice."""
 WELCOME_SECONDS = 20.0
@@ -40,8 +41,7 @@ class Notices:
             self._newest = newest  # another world process, which numbers events from 1
         for event in state.events:
             if self._newest is not None and event.number > self._newest and event.kind in ("agent", "watchdog"):
-                good = "here" in event.text or "again" in event.text
-                self.notify(None, event.text.capitalize(), f"at {event.stamp:.1f} s", GOOD if good else BAD)
+                self.notify(None, event.text.capitalize(), f"at {event.stamp:.1f} s", COLOURS[event.severity])
         self._newest = newest
         self._links(state.episode, links)
 

@@ -365,7 +365,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         assert (s["duration"], s["warmup"]) == (pytest.approx(0.6), pytest.approx(warmup))
         # The sha is of the whole flight, whatever the warm-up.
         assert s["trajectory_sha256"] == hashlib.sha256(track.astype("<f8").tobytes()).hexdigest()
-        assert s["events"] == [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in w.events]
+        assert s["events"] == [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in w.events]
 
 
 def test_an_episode_that_has_not_begun_has_a_summary_without_ages() -> None:

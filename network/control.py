@@ -67,8 +67,8 @@ class UseScenario(Model):
 
     scenario: str
     """A shipped name."""
-    settings: tuple[str, ...] = ()
-    """key=value, as after --set."""
+    overrides: dict[str, Any] = Field(default_factory=dict)
+    """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
 class UseController(Model):

@@ -1,5 +1,6 @@
-"""Types of the fields of messages: what decoding accepts, and refuses, of bytes that nobody trusts."""
+"""Types of the fields of messages: what decoding accepts, and refuses, of untrusted bytes."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -13,27 +14,25 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """Of every message: no other fields, no infinities."""
 
 
-def _array(columns: int, rows: int | None = None) -> PlainValidator:
-    """Accepts little-endian float64 bytes of so many columns (and rows); gives a read-only finite array."""
+@dataclass(frozen=True, slots=True)
+class ArrayOf:
+    """Accepts the little-endian float64 bytes of an array; gives it finite and read-only."""
 
-    def validate(data: object) -> FloatArray:
-        if not isinstance(data, bytes) or not data or len(data) % (8 * columns):
+    columns: int | None = None
+    """None for an array of one dimension, of any length."""
+    rows: int | None = None
+    """None for one or more; with 1 the array has one dimension."""
+
+    def __call__(self, data: object) -> FloatArray:
+        columns = self.columns or 1
+        if not isinstance(data, bytes) or len(data) % (8 * columns) or (self.columns and not data):
             raise ValueError(f"expected bytes of {columns} float64 columns")
-        array = _numbers(data)
-        if rows is not None and array.size != rows * columns:
-            raise ValueError(f"expected {rows * columns} numbers; got {array.size}")
-        return array if rows == 1 else array.reshape(-1, columns)
-
-    return PlainValidator(validate)
-
-
-def _numbers(data: object) -> FloatArray:
-    if not isinstance(data, bytes) or len(data) % 8:
-        raise ValueError("expected bytes of float64 numbers")
-    array = np.frombuffer(data, dtype="<f8")
-    if not np.isfinite(array).all():
-        raise ValueError("expected finite numbers")
-    return array
+        array = np.frombuffer(data, dtype="<f8")
+        if not np.isfinite(array).all():
+            raise ValueError("expected finite numbers")
+        if self.rows is not None and array.size != self.rows * columns:
+            raise ValueError(f"expected {self.rows * columns} numbers; got {array.size}")
+        return array if self.columns is None or self.rows == 1 else array.reshape(-1, columns)
 
 
 def _link(data: object) -> LinkId:
@@ -49,13 +48,13 @@ def _link(data: object) -> LinkId:
 
 Link = Annotated[LinkId, PlainValidator(_link)]
 """A directed link; on the wire its text."""
-Poses = Annotated[FloatArray, _array(3)]
+Poses = Annotated[FloatArray, PlainValidator(ArrayOf(3))]
 """(n, 3) [m, m, rad]."""
-Pose = Annotated[FloatArray, _array(3, 1)]
+Pose = Annotated[FloatArray, PlainValidator(ArrayOf(3, 1))]
 """(3,) [m, m, rad]."""
-Inputs = Annotated[FloatArray, _array(2)]
+Inputs = Annotated[FloatArray, PlainValidator(ArrayOf(2))]
 """(N, 2) v, omega [m/s, rad/s]."""
-Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
+Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 Sender = Annotated[int, Field(strict=True, ge=0, le=64)]

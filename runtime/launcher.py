@@ -9,6 +9,7 @@ from typing import Any, Self
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
+from formation.scenario.overrides import Overrides
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -40,7 +41,7 @@ class LiveRun:
         name: str,
         scenario: Scenario,
         source: str,
-        settings: list[str],
+        overrides: Overrides,
         *,
         tell: Callable[[str], None],
         **options: Any,
@@ -50,7 +51,7 @@ class LiveRun:
         Args:
             name: of the run.
             scenario: what to run, already checked.
-            source, settings: name or file, and key=value, from which the world makes the same scenario.
+            source, overrides: name or file, and what differs from it, from which the world makes the same scenario.
             tell: called with a line for the user.
             options: of runtime.process_list.Plan.
 
@@ -63,7 +64,7 @@ class LiveRun:
         address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
         self._claim = Claim(name, page=address)
         self._plan = Plan(
-            name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
+            name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )
         self._supervisor = Supervisor(name, tell)
         self._handlers: dict[signal.Signals, Any] = {}

@@ -1,4 +1,4 @@
-"""The fault panel: what is wrong with a link, as the world has it, and the means to change it."""
+"""The fault panel: the faults in force, and the controls that change them."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -6,9 +6,9 @@ from typing import Any
 
 import viser
 
-from dashboard.panels import tables
-from dashboard.panels.controls import MirroredControl, assign, set_options
+from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
 from dashboard.panels.requests import RequestQueue
+from dashboard.theme.templates import render
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault
 from formation.links import LinkId, plan_links
 from network.control import SetPreset
@@ -18,7 +18,7 @@ ALL = "All links"
 PICK = "choose…"
 FOR_SECONDS = 10.0
 SLIDERS = {key: shown for key, shown in SHOWN.items() if shown.top > 0.0}
-"""Keys of a fault that have one."""
+"""Keys of a fault that have a slider."""
 
 
 class FaultPanel:
@@ -32,12 +32,12 @@ class FaultPanel:
             self._target: Any = gui.add_dropdown("Target", (ALL,), initial_value=ALL)
             self._in_force = gui.add_html("")
             self._preset: Any = gui.add_dropdown("Preset", (PICK, *PRESETS), initial_value=PICK)
-            self._cut = MirroredControl(gui.add_checkbox("Cut", False, hint="Nothing passes"))
+            self._cut = MirroredControl(gui.add_checkbox("Cut", False, hint="No message passes"))
             self._add_sliders(gui, often=True)
             self._timed = gui.add_checkbox(
-                f"For {FOR_SECONDS:.0f} s", False, hint="What is set next ends by itself after so much simulated time"
+                f"For {FOR_SECONDS:.0f} s", False, hint="Faults set from now on end after so much simulated time"
             )
-            self._clear = gui.add_button("Clear this target", color="gray", hint="Take back what was set on it")
+            self._clear = gui.add_button("Clear this target", color="gray", hint="Remove all faults from the target")
             with gui.add_folder("More faults", expand_by_default=False):
                 self._add_sliders(gui, often=False)
         self._target.on_update(lambda _: self._release())
@@ -49,32 +49,32 @@ class FaultPanel:
         for key, shown in SLIDERS.items():
             if shown.often == often:
                 slider = gui.add_slider(f"{shown.label} {shown.unit}".strip(), 0.0, shown.top, shown.step, 0.0)
-                slider.on_update(partial(self._moved, key))
+                slider.on_update(partial(self._slider_moved, key))
                 self._sliders[key] = MirroredControl(slider)
 
-    def _moved(self, key: str, event: viser.GuiEvent[Any]) -> None:
+    def _slider_moved(self, key: str, event: viser.GuiEvent[Any]) -> None:
         self._set(event, key, float(event.target.value) / SLIDERS[key].factor)
 
-    # ------------------------------------------------------------------ what people do
+    # ------------------------------------------------------------------ from the user to the world
 
     @property
     def target(self) -> tuple[str, ...]:
-        """The links that are chosen, as the world names them; none if a page chose what is not offered."""
+        """Names of the links that are the target, as in the world; none if a page sent a target that is not offered."""
         label = self._target.value
         return targets(self._robots).get(label, ()) if label in self._target.options else ()
 
     def choose(self, verb: str, number: int) -> None:
-        """Choose a target: "link" with this sender in the ring, "both" links of this robot, or "all"."""
+        """Choose the target: "link" with this sender in the ring, "both" links of this robot, or "all"."""
         label = {"link": arrow(LinkId.plans_from(number, self._robots)), "both": f"Robot {number}: from and to"}
-        wished = label.get(verb, ALL)
-        if wished in self._target.options:
-            self._target.value = wished
+        chosen = label.get(verb, ALL)
+        if chosen in self._target.options:
+            self._target.value = chosen
 
     def _seconds(self) -> float | None:
         return FOR_SECONDS if self._timed.value else None
 
     def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
-        if event.client_id is None:  # the page follows the world; nobody moved it
+        if event.client_id is None:  # set by `draw`, not by a user
             return
         self._requests.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
 
@@ -93,25 +93,30 @@ class FaultPanel:
             self._requests.ask(operation, event.client_id)
         self._preset.value = PICK
 
-    # ------------------------------------------------------------------ what the world says
+    # ------------------------------------------------------------------ from the world to the panel
 
     def draw(self, state: State) -> None:
-        """Show what the world has."""
+        """Show the faults in force in the world."""
         self._robots = len(state.poses)
         set_options(self._target, tuple(targets(self._robots)))
-        assign(self._in_force, "content", tables.in_force(state))
+        set_if_changed(self._in_force, "content", in_force(state.faults))
         fault = worst(state.faults, self.target, self._robots)
-        self._cut.follow(bool(fault["cut"]))
+        self._cut.show(bool(fault["cut"]))
         for key, slider in self._sliders.items():
-            slider.follow(min(round(SLIDERS[key].shown(float(fault[key])), 6), slider.control.max))
+            slider.show(min(round(SLIDERS[key].shown(float(fault[key])), 6), slider.control.max))
 
     def _release(self) -> None:
-        for follower in (self._cut, *self._sliders.values()):
-            follower.release()
+        for control in (self._cut, *self._sliders.values()):
+            control.release()
+
+
+def in_force(faults: Mapping[LinkId, Fault]) -> str:
+    """HTML of the faults in force, a line per link."""
+    return render("panels/faults_in_force.html", faults=sorted(faults.items()))
 
 
 def targets(robots: int) -> dict[str, tuple[str, ...]]:
-    """What can be chosen, and the names of the links that it stands for."""
+    """Labels of the targets that can be chosen, and the names of their links."""
     numbers = range(1, robots + 1)
     own = [*(LinkId.poses_to(i) for i in numbers), *(LinkId.commands_from(i) for i in numbers)]
     return {
@@ -126,7 +131,7 @@ def targets(robots: int) -> dict[str, tuple[str, ...]]:
 
 
 def arrow(link: LinkId) -> str:
-    """The link as the page writes it."""
+    """The link in a label: "1 → 2"."""
     return str(link).replace("->", " → ")
 
 

@@ -1,14 +1,14 @@
-"""Scenarios from files: by name or path, with settings applied, every mistake in a line of its own."""
+"""Scenarios from files: by name or path, with overrides, every mistake in a line of its own."""
 
-import copy
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path as File
 from typing import Any
 
 from pydantic import ValidationError
 
 from formation.errors import ScenarioError, unknown
+from formation.scenario.overrides import Overrides, from_settings, merged
 from formation.scenario.scenario import Scenario
 from formation.validation import problems
 
@@ -20,13 +20,13 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load(name: str, settings: Iterable[str] = ()) -> Scenario:
-    """A scenario by its name or its TOML file, with `key=value` settings applied.
+def load(name: str, overrides: Overrides | Iterable[str] = ()) -> Scenario:
+    """A scenario by its name or its TOML file, with overrides such as {"link": {"latency": 0.3}}.
 
     Raises:
         ScenarioError: it does not exist or is wrong; one line per mistake.
     """
-    return parse(read(name), settings, where=name)
+    return parse(read(name), overrides, where=name)
 
 
 def read(name: str) -> dict[str, Any]:
@@ -46,34 +46,16 @@ def read(name: str) -> dict[str, Any]:
         raise ScenarioError(f"{name}: expected TOML; {error}") from None
 
 
-def parse(raw: dict[str, Any], settings: Iterable[str] = (), *, where: str = "scenario") -> Scenario:
-    """A scenario from its raw table.
+def parse(raw: Overrides, overrides: Overrides | Iterable[str] = (), *, where: str = "scenario") -> Scenario:
+    """A scenario from its raw table, with overrides: nested, or settings such as link.latency=0.3.
 
     Raises:
         ScenarioError: one line per mistake.
     """
-    raw = copy.deepcopy(raw)
-    for setting in settings:
-        _apply(raw, setting)
+    if not isinstance(overrides, Mapping):
+        overrides = from_settings(overrides)
     try:
-        return Scenario.model_validate(raw)
+        return Scenario.model_validate(merged(raw, overrides))
     except ValidationError as error:
         lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
         raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None
-
-
-def _apply(raw: dict[str, Any], setting: str) -> None:
-    key, equals, text = setting.partition("=")
-    if not equals or not key.strip():
-        raise ScenarioError(f"--set: expected key=value; got {setting!r}")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
-        value = text.strip()
-    *parents, last = key.strip().split(".")
-    table = raw
-    for parent in parents:
-        table = table.setdefault(parent, {})
-        if not isinstance(table, dict):
-            raise ScenarioError(f"--set {key.strip()}: expected the path of a key; {parent} is not a table")
-    table[last] = value

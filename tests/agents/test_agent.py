@@ -20,6 +20,7 @@ from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
 from network.messages import Command, Plan, Status
+from tests import builders
 from world.world import WATCHDOG, World
 
 TICK = 0.01
@@ -30,8 +31,8 @@ def agent(robot: int = 1, *settings_: str, name: str = "circle", episode: int = 
 
 
 def plan(k: int, sender: int = 2, episode: int = 0, **changes: Any) -> Plan:
-    values = {"pose": np.array([0.75, 0.0, math.pi / 2]), "interval": 0.1, "inputs": np.tile([0.04, 0.05], (20, 1))}
-    return Plan(sender=sender, seq=k, stamp=k * TICK, episode=episode, **{**values, **changes})
+    values = {"pose": np.array([0.75, 0.0, math.pi / 2]), "inputs": np.tile([0.04, 0.05], (20, 1))}
+    return builders.plan(sender, k, episode, **{**values, **changes})
 
 
 def start(scenario: Scenario, robot: int) -> FloatArray:

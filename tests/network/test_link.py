@@ -16,6 +16,7 @@ from formation.links import LinkId
 from network.codec import decode, encode
 from network.link import MEMORY, QUEUE_LIMIT, Arrival, Link, damaged
 from network.messages import LinkCounts, Plan
+from tests.builders import plan
 
 TICK = 0.01
 SHARE = st.sampled_from([0.0, 0.0, 0.05, 0.3, 0.9, 1.0])
@@ -33,7 +34,7 @@ FAULTS = st.builds(
     corrupt=SHARE,
     cut=st.sampled_from([False, False, False, True]),
 )
-PLAN = Plan(2, 17, 0.17, 3, np.array([0.1, -0.2, 0.3]), 0.1, np.arange(40.0).reshape(20, 2))
+PLAN = plan(2, 17, inputs=np.arange(40.0).reshape(20, 2))
 
 
 def run(link: Link[int], seqs: range | list[int], wait: float = 60.0) -> list[Arrival[int]]:

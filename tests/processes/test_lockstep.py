@@ -13,6 +13,7 @@ import pytest
 
 from formation.errors import WireError
 from formation.scenario.files import load
+from formation.scenario.overrides import from_settings
 from network import topics
 from network.bus import Sample
 from network.codec import decode
@@ -50,7 +51,7 @@ def simulate(
     """One flight as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
-        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, settings, speed=0.0, paused=True)
+        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True)
         found = programs(plan, scenario)
         random.Random(order).shuffle(found)
         supervisor = Supervisor("lockstep", print)

@@ -20,6 +20,7 @@ from formation.links import LinkId, every_link, links_named, plan_links
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from formation.units import seconds, share
+from tests.strategies import of
 from world.faults import FaultState
 from world.world import World
 
@@ -164,7 +165,7 @@ def test_a_fault_said_in_words_names_what_is_wrong(name: Any) -> None:
     assert PERFECT.words() == "healthy"
 
 
-@given(st.builds(Fault, latency=st.floats(0, 2), loss=st.floats(0, 1), keep_order=st.booleans(), burst=st.floats(0, 9)))
+@given(of(Fault))
 def test_the_keys_that_differ_from_a_perfect_link_say_all(fault: Any) -> None:
     assert with_changes(PERFECT, fault.plain()) == fault
     assert (fault.plain() == {}) == (fault == PERFECT)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Self
 
+from formation.scenario.overrides import from_settings, to_json
 from network import topics
 from network.bus import Sample
 from network.codec import decode
@@ -21,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 RUN = "browser"
 
 
-class Flight:
+class BrowserRun:
     """A run of a scenario; every process ends with it."""
 
     def __init__(
@@ -36,7 +37,7 @@ class Flight:
         """Start everything.
 
         Args:
-            scenario: what is flown.
+            scenario: its name.
             robots: of the scenario.
             agents: how many of them get an agent, if not all.
             world: its module.
@@ -48,7 +49,7 @@ class Flight:
         try:
             self.start("router", "network", "--listen", self.endpoint)
             self._wait_for(Path(self._folder.name, "router"))
-            changes = [word for setting in settings for word in ("--set", setting)]
+            changes = ["--overrides", to_json(from_settings(settings))]
             self.start("world", world, *self._run, "--scenario", scenario, "--endless", *changes)
             for robot in range(1, (robots if agents is None else agents) + 1):
                 self.start_agent(robot)
@@ -59,7 +60,7 @@ class Flight:
             raise
 
     def _wait_for(self, socket: Path, seconds: float = 60.0) -> None:
-        """A busy machine may take long to start a router; a client does not wait that long."""
+        """A busy machine may take longer to start a router than a client waits for one."""
         end = time.monotonic() + seconds
         while not socket.exists():
             assert time.monotonic() < end, "the router does not listen"
@@ -102,7 +103,7 @@ class Flight:
         return found[1]
 
     def state(self, seconds: float = 5.0) -> State:
-        """What the world says now."""
+        """The newest state."""
         with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.state(RUN))
             while True:
@@ -111,16 +112,16 @@ class Flight:
                     return decode(State, item.payload)
 
     def ghost(self, seconds: float = 10.0) -> Ghost:
-        """What the ghost says next."""
+        """The next message of the ghost."""
         with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.ghost(RUN))
             for item in session.incoming(seconds):
                 if isinstance(item, Sample):
                     return decode(Ghost, item.payload)
-        raise AssertionError("the ghost says nothing")
+        raise AssertionError("the ghost publishes nothing")
 
     def ask(self, operation: Operation) -> None:
-        """Have the world do something, as another page would."""
+        """Request an operation of the world, as another page would."""
         with ZenohBus(self.endpoint, RUN) as session:
             reply = session.ask(operation, timeout=10.0)
             assert reply is not None
@@ -131,7 +132,7 @@ class Flight:
         return self._processes[name].pid
 
     def end(self, name: str, *, kill: bool = False) -> None:
-        """End one process, politely or not."""
+        """Terminate one process, or kill it."""
         process = self._processes.pop(name)
         if kill:
             process.kill()
@@ -146,7 +147,7 @@ class Flight:
             process.stdout.close()
 
     def close(self) -> None:
-        """End everything; the router last, so that the others can say goodbye."""
+        """End everything; the router last, so that the others can close their sessions."""
         for name in reversed(list(self._processes)):
             self.end(name)
         self._folder.cleanup()

@@ -21,8 +21,8 @@ from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.links import LinkId
 from network.control import Compare, SetFault, UseController
+from tests.browser.browser_run import ROOT, RUN, BrowserRun
 from tests.browser.driven import Driven
-from tests.browser.live_page import ROOT, RUN, Flight
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -35,21 +35,21 @@ NEWEST = """() => Object.values(window.__viserTestpoints.uplots).map(
 
 
 @pytest.fixture(scope="module")
-def flight() -> Iterator[Flight]:
-    with Flight("triangle-circle", robots=3) as running:
+def run() -> Iterator[BrowserRun]:
+    with BrowserRun("triangle-circle", robots=3) as running:
         yield running
 
 
 @pytest.fixture(scope="module")
-def page(browser: "Browser", flight: Flight) -> Iterator[Driven]:
-    driven = Driven(browser, flight.url)
+def page(browser: "Browser", run: BrowserRun) -> Iterator[Driven]:
+    driven = Driven(browser, run.url)
     yield driven
     driven.page.close()
 
 
 @pytest.fixture(autouse=True)
 def undisturbed(page: Driven) -> Iterator[None]:
-    """Every test begins and ends with a running, healthy flight."""
+    """Every test begins and ends with a running, healthy run."""
     yield
     page.press("Clear faults")
     if page.page.get_by_role("button", name="Start", exact=True).count():
@@ -69,11 +69,11 @@ def test_the_page_comes_up_without_errors_or_requests_elsewhere(page: Driven) ->
     assert elsewhere == []
 
 
-def test_robots_are_where_the_world_says(page: Driven, flight: Flight) -> None:
+def test_robots_are_where_the_world_has_them(page: Driven, run: BrowserRun) -> None:
     page.press("Follow")
     page.press("Pause")
     page.wait_text("PAUSED")
-    poses = flight.state().poses
+    poses = run.state().poses
     page.until(lambda: np.allclose(page.bodies()[:, :2], poses[:, :2], atol=1e-5), "robots where the world has them")
     page.until(lambda: painted(page, poses, DARK), "robots in their colours")
     page.press("Fit")
@@ -89,64 +89,62 @@ def painted(page: Driven, poses: FloatArray, palette: Palette) -> bool:
     return True
 
 
-def test_a_light_page_is_light_all_over(page: Driven, flight: Flight) -> None:
+def test_a_light_page_is_light_all_over(page: Driven, run: BrowserRun) -> None:
     page.press("Follow")
     page.press("Pause")
     page.wait_text("PAUSED")
-    poses = flight.state().poses
+    poses = run.state().poses
     page.tick("Light", True)
-    page.until(lambda: page.look == "light", "light panels")
+    page.until(lambda: page.theme == "light", "light panels")
     page.until(lambda: painted(page, poses, LIGHT), "robots in the light look's colours")
     page.until(lambda: page.plots_are_whole, "plots over all the time")
     page.tick("Light", False)
-    page.until(lambda: page.look == "dark" and painted(page, poses, DARK), "the dark look again")
+    page.until(lambda: page.theme == "dark" and painted(page, poses, DARK), "the dark look again")
     page.press("Fit")
 
 
-def test_a_cell_of_the_link_matrix_aims_the_faults(page: Driven, flight: Flight) -> None:
-    page.tap("link 2")
+def test_a_cell_of_the_link_matrix_becomes_the_target_of_faults(page: Driven, run: BrowserRun) -> None:
+    page.click_cell("link 2")
     page.until(lambda: page.chosen("Target") == "2 → 3", "target 2->3")
-    page.tap("both 1")
+    page.click_cell("both 1")
     page.until(lambda: page.chosen("Target") == "Robot 1: from and to", "target robot 1")
     page.tick("Cut", True)
     page.until(
-        lambda: flight.state().faults == {LinkId(1, 2): Fault(cut=True), LinkId(3, 1): Fault(cut=True)},
+        lambda: run.state().faults == {LinkId(1, 2): Fault(cut=True), LinkId(3, 1): Fault(cut=True)},
         "both links cut",
     )
-    page.tap("all 0")
+    page.click_cell("all 0")
     page.until(lambda: page.chosen("Target") == "All links", "target all")
 
 
-def test_two_pages_agree(browser: "Browser", page: Driven, flight: Flight) -> None:
-    other = Driven(browser, flight.url)
-    page.tap("link 1")
+def test_two_pages_agree(browser: "Browser", page: Driven, run: BrowserRun) -> None:
+    other = Driven(browser, run.url)
+    page.click_cell("link 1")
     page.tick("Cut", True)
     other.wait_text(r"1→2\s+cut")
     other.until(lambda: other.ticked("Cut") and other.chosen("Target") == "1 → 2", "the cut on the other page")
     other.press("Pause")
     page.wait_text("PAUSED")
     assert page.page.get_by_role("button", name="Start", exact=True).count() == 1
-    stamp = flight.state().stamp
+    stamp = run.state().stamp
     for each in (page, other):
         each.wait_text(re.escape(f"t = {stamp:.1f} s"))
     assert other.errors == []
     other.page.close()
 
 
-def test_where_nobody_can_kill_an_agent_the_page_says_so(page: Driven, flight: Flight) -> None:
+def test_where_nobody_can_kill_an_agent_the_page_shows_it(page: Driven, run: BrowserRun) -> None:
     page.show("Robots")
-    page.tap("kill 1")
+    page.click_cell("kill 1")
     page.wait_text(r"Kill agent 1\?")
     page.press("Kill 1")
     page.wait_text("nobody here can end or start agents")
-    assert flight.state().dismissed == []
+    assert run.state().dismissed == []
     page.show("Live")
 
 
-def test_what_is_taken_away_is_named_and_whole(
-    browser: "Browser", page: Driven, flight: Flight, tmp_path: Path
-) -> None:
-    flight.ask(SetFault(link="1->2", changes={"latency": 0.05}))
+def test_exported_files_are_named_and_whole(browser: "Browser", page: Driven, run: BrowserRun, tmp_path: Path) -> None:
+    run.ask(SetFault(link="1->2", changes={"latency": 0.05}))
     name = rf"echelon_{RUN}_triangle-circle_[a-z_]+_t\d+\.\ds\.(html|csv|png)"
     replay, plots, picture = (page.take(what, tmp_path) for what in ("Replay", "CSV", "Picture"))
     for path in (replay, plots, picture):
@@ -227,35 +225,35 @@ def test_a_fault_for_ten_seconds_ends_by_itself(page: Driven) -> None:
     page.choose("Speed", "1 x real time")
 
 
-def test_controls_follow_the_world(page: Driven, flight: Flight) -> None:
+def test_controls_follow_the_world(page: Driven, run: BrowserRun) -> None:
     page.choose("Controller", "leader_follower")
-    page.until(lambda: flight.state().controller == "leader_follower", "the controller in the world")
-    flight.ask(UseController(controller="nash"))
+    page.until(lambda: run.state().controller == "leader_follower", "the controller in the world")
+    run.ask(UseController(controller="nash"))
     page.until(lambda: page.chosen("Controller") == "nash", "nash on the page")
-    flight.ask(SetFault(link="2->3", changes={"latency": 0.25}))
+    run.ask(SetFault(link="2->3", changes={"latency": 0.25}))
     page.choose("Target", "2 → 3")
     page.until(lambda: page.number("Latency ms") == "250", "latency 250 on the panel")
 
 
-def test_a_dashboard_that_is_started_again_shows_the_faults_in_force(page: Driven, flight: Flight) -> None:
+def test_a_dashboard_that_is_started_again_shows_the_faults_in_force(page: Driven, run: BrowserRun) -> None:
     page.choose("Target", "All links")
     page.fill("Loss %", "25")
     page.choose("Target", "2 → 3")
     page.tick("Cut", True)
     page.wait_text(r"2→3\s+cut")
-    flight.end("dashboard", kill=True)
+    run.end("dashboard", kill=True)
     page.until(lambda: page.lost, "word that the server is gone")
-    flight.url = flight.start_dashboard(urlsplit(page.url).port or 0)
-    page.open(flight.url)
+    run.url = run.start_dashboard(urlsplit(page.url).port or 0)
+    page.open(run.url)
     page.wait_text(r"2→3\s+cut")
     assert not page.lost
     page.until(lambda: page.number("Loss %") == "25" and page.ticked("Cut"), "the faults on the panel")
 
 
-def test_a_killed_agent_is_shown_and_comes_back(page: Driven, flight: Flight) -> None:
-    flight.end("agent-2", kill=True)
+def test_a_killed_agent_is_shown_and_comes_back(page: Driven, run: BrowserRun) -> None:
+    run.end("agent-2", kill=True)
     page.wait_text(r"R2 LOST")
-    flight.start_agent(2)
+    run.start_agent(2)
     page.until(lambda: "R2 LOST" not in page.text(), "robot 2 alive", 20.0)
 
 
@@ -282,9 +280,9 @@ def test_pages_of_other_sites_are_refused(page: Driven) -> None:
         assert socket.recv(timeout=5.0)
 
 
-def test_a_taken_port_is_an_error_in_one_line(page: Driven, flight: Flight) -> None:
+def test_a_taken_port_is_an_error_in_one_line(page: Driven, run: BrowserRun) -> None:
     port = str(urlsplit(page.url).port)
-    command = [sys.executable, "-m", "dashboard", "--run", RUN, "--connect", flight.endpoint, "--port", port]
+    command = [sys.executable, "-m", "dashboard", "--run", RUN, "--connect", run.endpoint, "--port", port]
     done = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, timeout=20, env=dict(os.environ), check=False
     )
@@ -309,45 +307,45 @@ def plotted(page: Driven) -> list[dict[str, Any]]:
     return [lines for lines in page.page.evaluate(NEWEST) if "ghost" in lines]
 
 
-def test_another_controller_is_seen_as_a_ghost_beside_its_errors(page: Driven, flight: Flight) -> None:
+def test_another_controller_is_seen_as_a_ghost_beside_its_errors(page: Driven, run: BrowserRun) -> None:
     page.wait_text("RUNNING", 60.0)
     page.press("Reset")  # so that the ghost has little to catch up with
     assert not shown(page)
     assert "RMS" not in page.text()
-    flight.ask(SetFault(link="1->2", changes={"latency": 0.2, "loss": 0.3}))
+    run.ask(SetFault(link="1->2", changes={"latency": 0.2, "loss": 0.3}))
     page.choose("Compare with", "leader_follower")
     page.until(lambda: shown(page), "ghost", 60.0)
     page.wait_text(r"(?s)RMS.*leader_follower.*\d x better.*\d x better", 60.0)
     page.press("Pause")
     page.wait_text("PAUSED")
-    state = flight.state()
-    said = flight.ghost()
-    assert said.stamp == state.stamp
-    page.until(lambda: np.allclose(ghosts(page)[:, :2], said.poses[:, :2], atol=1e-5), "ghost where it is", 20.0)
+    state = run.state()
+    message = run.ghost()
+    assert message.stamp == state.stamp
+    page.until(lambda: np.allclose(ghosts(page)[:, :2], message.poses[:, :2], atol=1e-5), "ghost where it is", 20.0)
     assert np.abs(ghosts(page) - page.bodies()).max() > 1e-3
-    live, other = 1e3 * np.abs(state.distance_errors).max(), 1e3 * np.abs(said.distance_errors).max()
+    live, other = 1e3 * np.abs(state.distance_errors).max(), 1e3 * np.abs(message.distance_errors).max()
     page.until(lambda: plotted(page)[0]["ghost"] == pytest.approx(other, rel=0.2), "ghost's error in the plot")
     assert plotted(page)[0]["max"] == pytest.approx(live, rel=0.2, abs=1e-3)
     assert len(plotted(page)) == 3  # distance, angle, tracking
     assert all(lines["ghost"] > 0.0 for lines in plotted(page))
 
 
-def test_the_live_controller_as_a_ghost_is_the_same(page: Driven, flight: Flight) -> None:
+def test_the_live_controller_as_a_ghost_is_the_same(page: Driven, run: BrowserRun) -> None:
     page.choose("Compare with", "nash")
     page.wait_text(r"(?s)┅ nash.*the same", 60.0)
     page.press("Pause")
     page.wait_text("PAUSED")
     page.until(lambda: np.allclose(ghosts(page)[:, :2], page.bodies()[:, :2], atol=1e-6), "ghost under the bodies")
-    np.testing.assert_array_equal(flight.ghost().poses, flight.state().poses)
+    np.testing.assert_array_equal(run.ghost().poses, run.state().poses)
 
 
-def test_what_is_compared_is_the_worlds_to_say_and_outlives_a_reset(page: Driven, flight: Flight) -> None:
-    flight.ask(Compare(controller="paper"))
+def test_what_is_compared_is_the_worlds_to_say_and_outlives_a_reset(page: Driven, run: BrowserRun) -> None:
+    run.ask(Compare(controller="paper"))
     page.until(lambda: page.chosen("Compare with") == "paper", "paper on the page")
     page.press("Reset")
     page.wait_text(r"t = \d\.")
-    page.until(lambda: shown(page), "ghost of the new flight", 60.0)
-    flight.ask(Compare(controller="off"))
+    page.until(lambda: shown(page), "ghost of the new episode", 60.0)
+    run.ask(Compare(controller="off"))
     page.until(lambda: page.chosen("Compare with") == "nothing", "nothing on the page")
     page.until(lambda: not shown(page), "no ghost")
     assert "RMS" not in page.text()

@@ -68,7 +68,7 @@ def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
 def source(options: argparse.Namespace) -> str:
     """The scenario's name, or the absolute path of its file."""
     name: str = options.scenario
-    return str(Path(name).resolve()) if name.endswith(".toml") or "/" in name else name
+    return str(Path(name).absolute()) if files.is_file(name) else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:

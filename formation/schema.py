@@ -6,6 +6,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat
 
 from formation.units import seconds, share
 
+MAX_SCENARIO = 4 << 20
+"""Bytes of a scenario, points included: as JSON it goes to every process."""
+
 
 class Model(BaseModel):
     """A frozen value that refuses keys it does not know."""

@@ -16,10 +16,11 @@ from pydantic import TypeAdapter, ValidationError
 from formation.errors import WireError
 from formation.faults import Fault
 from formation.links import LinkId
+from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Event, LinkCounts, Message
 from network.topics import MESSAGES
 
-MAX_BYTES = 1 << 20
+MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")
 _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {

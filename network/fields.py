@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, PlainValidator
 from formation.arrays import FloatArray
 from formation.errors import FaultError
 from formation.links import LinkId
+from formation.schema import MAX_SCENARIO
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """Of every message: no other fields, no infinities."""
@@ -62,5 +63,5 @@ Real = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(strict=True, gt=0.0)]
 NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
 Text = Annotated[str, Field(strict=True, max_length=65536)]
-LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
+LongText = Annotated[str, Field(strict=True, max_length=MAX_SCENARIO)]
 Flag = Annotated[bool, Field(strict=True)]

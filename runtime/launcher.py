@@ -9,7 +9,8 @@ from typing import Any, Self
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
-from formation.scenario.overrides import Overrides
+from formation.scenario.files import is_file
+from formation.scenario.overrides import Overrides, paths
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -63,6 +64,11 @@ class LiveRun:
         page = options.get("dashboard")
         address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
         self._claim = Claim(name, page=address)
+        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
+            # A pipe can be read once only, and nobody else needs the files that a scenario names.
+            file = self._claim.path / "scenario.json"
+            file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
+            source, overrides = str(file), {}
         self._plan = Plan(
             name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )

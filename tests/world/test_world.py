@@ -17,7 +17,7 @@ from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
 from formation.links import LinkId, plan_links
 from formation.metrics import pattern_errors, tracking_error
-from formation.paths.kinds import heading
+from formation.paths.path import heading
 from formation.pattern import rotate, upstream
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario

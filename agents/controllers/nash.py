@@ -11,7 +11,7 @@ import numpy as np
 from agents.controllers.interface import Observation, Solution
 from agents.controllers.pair import Pair
 from agents.controllers.progress import Progress
-from agents.kernels.pair_game import cost, improve
+from agents.kernels.pair_cost import cost, improve
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
 from formation.scenario.controllers import NashOptions, PairGame

@@ -13,7 +13,7 @@ import numpy as np
 from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.nash import weights
 from agents.controllers.pair import Pair
-from agents.kernels.team_game import optimise
+from agents.kernels.lq import optimise
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
 from formation.scenario.controllers import VirtualStructureOptions

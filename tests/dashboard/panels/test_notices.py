@@ -10,7 +10,7 @@ from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
 from formation.faults import Fault
 from formation.links import LinkId, plan_links
-from network.messages import Event, State
+from network.messages import Event, Severity, State
 from tests.builders import state
 
 
@@ -62,7 +62,7 @@ def test_the_colour_of_a_notice_is_its_events_severity_whatever_the_text(
     notices: Notices, server: FakeServer, text: str
 ) -> None:
     update(notices, state())
-    severities = ("info", "warning", "error")
+    severities: tuple[Severity, ...] = ("info", "warning", "error")
     events = [Event(n, 1.0, "agent", text, severity) for n, severity in enumerate(severities, start=1)]
     update(notices, state(events=tuple(events)))
     assert server.colours == [COLOURS[severity] for severity in severities]

@@ -21,7 +21,7 @@ from formation.errors import WireError
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
 from formation.pattern import upstream
-from formation.scenario.registry import AGEING
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
@@ -62,7 +62,7 @@ class Agent:
         self._controller = controller or controller_for(scenario, robot, self._pair)
         self._ages = scenario.controller.age_plans
         if self._ages is None:
-            self._ages = scenario.controller.name in AGEING
+            self._ages = spec_of(scenario.controller).ages_plans
         self._belief = Belief()
         self._plans: Link[Plan] = Link(scenario.seed, LinkId.plans_to(robot, scenario.size), scenario.link)
         self._poses: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))

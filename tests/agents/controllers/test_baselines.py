@@ -18,8 +18,9 @@ from agents.controllers.consensus import Consensus
 from agents.controllers.nash import weights as nash_weights
 from agents.controllers.pair import Pair
 from agents.kernels.consensus import roll_law
-from agents.kernels.pair_game import cost as pair_cost
-from agents.kernels.team_game import cost, optimise, ring_weights
+from agents.kernels.lq import cost, optimise
+from agents.kernels.pair_cost import cost as pair_cost
+from agents.kernels.pair_cost import ring_weights
 from dashboard.panels.run import RunPanel
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
@@ -244,7 +245,7 @@ class Case:
 
     @property
     def task(self) -> tuple[Any, ...]:
-        return self.slots, self.targets, self.weights, np.array(R), DT
+        return self.slots, self.targets, self.weights, np.tile(R, self.slots.shape[1]), DT
 
     def cost(self, u: FloatArray) -> float:
         return cost(self.x0, u, *self.task)
@@ -313,7 +314,7 @@ def test_the_teams_cost_is_the_sum_of_the_games_that_nash_plays(name: str) -> No
         poses, inputs = x[both].ravel(), np.ascontiguousarray(u[:, both].reshape(len(u), 4))
         games += pair_cost(poses, inputs, ahead.slots, ahead.inputs, interval, np.array(q), np.array([*own_r, *own_r]))
     # The pair's share of R is half of what its robot's inputs cost in both of its games.
-    effort = 0.5 * float(((u - targets) ** 2 @ r).sum())
+    effort = 0.5 * float(((u - targets).reshape(len(u), -1) ** 2 @ r).sum())
     both_games = cost(x.ravel(), u.reshape(len(u), -1), slots, targets, weights, r, interval) + effort
     assert both_games == pytest.approx(games, rel=1e-9)
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from agents.belief import Belief
 from agents.controllers.nash import PLACE, Game, weights
 from agents.controllers.pair import Pair
-from agents.kernels.pair_game import cost, improve
+from agents.kernels.pair_cost import cost, improve
 from agents.kernels.unicycle import age, derivatives, roll_out, shift
 from formation.arrays import FloatArray
 from formation.reference import BLOCK_TICKS

@@ -1,4 +1,4 @@
-"""How fast it is: both engines on the same flight in turn, and the time per plan.
+"""How fast it is: both engines on the same episode in turn, and the time per plan.
 
 python benchmarks/speed.py [--rounds 3] [--json]
 """
@@ -10,7 +10,7 @@ import subprocess
 import sys
 from typing import Any
 
-FLIGHT = ("triangle-circle", "--duration", "40", "--json")
+EPISODE = ("triangle-circle", "--duration", "40", "--json")
 ENGINES = ("inprocess", "processes")
 
 
@@ -20,14 +20,14 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    flights: dict[str, list[dict[str, Any]]] = {engine: [] for engine in ENGINES}
+    summaries: dict[str, list[dict[str, Any]]] = {engine: [] for engine in ENGINES}
     for done in range(options.rounds):
         for engine in ENGINES:
             print(f"round {done + 1} of {options.rounds}: {engine} ...", file=sys.stderr, flush=True)
-            command = [sys.executable, "-m", "cli.main", "run", *FLIGHT, "--engine", engine]
+            command = [sys.executable, "-m", "cli.main", "run", *EPISODE, "--engine", engine]
             out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            flights[engine].append(json.loads(out))
-    figures = {engine: _figures(runs) for engine, runs in flights.items()}
+            summaries[engine].append(json.loads(out))
+    figures = {engine: _figures(runs) for engine, runs in summaries.items()}
     figures["processes / inprocess"] = {"wall": figures["processes"]["wall_s"] / figures["inprocess"]["wall_s"]}
     if options.json:
         print(json.dumps(figures))
@@ -35,7 +35,7 @@ def main() -> None:
     for engine in ENGINES:
         f = figures[engine]
         print(
-            f"{engine:>10}: 40 s of flight in {f['wall_s']:.2f} s (x{f['times_real_time']:.1f} real time); "
+            f"{engine:>10}: 40 simulated s in {f['wall_s']:.2f} s (x{f['times_real_time']:.1f} real time); "
             f"a plan takes {f['solve_median_us']:.0f} us (median), {f['solve_p99_us']:.0f} us (p99)"
         )
     print(f"processes / inprocess: {figures['processes / inprocess']['wall']:.1f} x the time")

@@ -1,5 +1,7 @@
 """Notices in the corner of the page: agents and links lost and found, and refused requests."""
 
+from collections.abc import Callable
+
 import viser
 
 from dashboard.telemetry.links import LinkView
@@ -10,6 +12,9 @@ GOOD, BAD, NEUTRAL = (52, 199, 150), (240, 72, 92), (86, 180, 233)
 AT_ONCE = 4
 """More than so many links lost at once are one notice."""
 WELCOME_SECONDS = 20.0
+
+Notify = Callable[[int | None, str, str], None]
+"""(page or None for all, title, text): shows a notice, such as why a request was refused."""
 
 
 class Notices:

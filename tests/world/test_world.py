@@ -161,7 +161,7 @@ def test_a_damaged_command_is_not_obeyed() -> None:
     np.testing.assert_array_equal(w.plant.poses[0], start[0])
 
 
-# ---------------------------------------------------------------- a new flight
+# ---------------------------------------------------------------- a new episode
 
 
 def test_reset_starts_a_new_epoch_at_time_zero_with_the_same_poses() -> None:
@@ -363,7 +363,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         assert s["solve_s"]["median"] == pytest.approx(0.002)
         assert (s["ticks"], s["seed"], s["scenario"], s["controller"]) == (60, 0, "triangle-circle", "nash")
         assert (s["duration"], s["warmup"]) == (pytest.approx(0.6), pytest.approx(warmup))
-        # The sha is of the whole flight, whatever the warm-up.
+        # The sha is of the whole episode, whatever the warm-up.
         assert s["trajectory_sha256"] == hashlib.sha256(track.astype("<f8").tobytes()).hexdigest()
         assert s["events"] == [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in w.events]
 

@@ -1,4 +1,4 @@
-"""Scenario files: the shipped ones fly, and every mistake gets one line that names the key and what there is."""
+"""Scenario files: the shipped ones run, and every mistake gets one line that names the key and what there is."""
 
 import math
 from typing import Any
@@ -48,7 +48,7 @@ def test_a_shipped_scenario_loads_and_has_its_files_name(name: Any) -> None:
     assert scenario.start_poses().shape == (scenario.size, 3)
 
 
-def test_the_shipped_scenarios_fly_what_their_names_say() -> None:
+def test_the_shipped_scenarios_hold_what_their_names_say() -> None:
     expected = {
         "circle": ("circle", 2),
         "figure8": ("figure8", 2),

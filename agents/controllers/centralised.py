@@ -88,7 +88,7 @@ class Team:
         return inputs, converged
 
     def _wait(self, k: int, poses: FloatArray) -> None:
-        """The lag of the robot that is furthest behind is everybody's."""
+        """Give every robot the lag of the one that is furthest behind."""
         for progress, pose in zip(self._progress, poses, strict=True):
             progress.update(k, pose, None)
         lag, pace = max(pair.lag for pair in self._pairs), min(pair.pace for pair in self._pairs)

@@ -60,7 +60,8 @@ class Notices:
             self.notify(None, "The world publishes nothing", "The page shows its last state and waits.")
 
     def _links(self, episode: int, links: list[LinkView]) -> None:
-        lost = {link.id: link for link in links if link.lost and not link.deaf}  # an agent's own event is a notice
+        # A link that is lost because its receiver has no agent is no notice: the agent's own event is one.
+        lost = {link.id: link for link in links if link.lost and (not link.deaf or link.id in self._lost)}
         if episode == self._episode:
             worse = [lost[link] for link in sorted(lost.keys() - self._lost)]
             if len(worse) > AT_ONCE:

@@ -209,16 +209,21 @@ def test_consensus_waits_for_a_stuck_neighbour_only_if_it_is_told() -> None:
     assert worst(told, "max") < 0.95 * worst(cut, "max")
 
 
-def test_gains_follow_from_limits_and_spacing() -> None:
-    def gains(*changes: str) -> tuple[float, float]:
-        own = scenario("consensus", *changes)
-        c = Consensus(own, Pair(own, 1))
-        return c._reach, c._gain
-
-    assert gains() == pytest.approx((0.05, 1.0))
-    assert gains("formation.spacing=0.5") == pytest.approx((0.25, 1.0))  # omega bounds it: scale does not matter
-    assert gains("robots.limits={v=0.05, omega=2}") == pytest.approx((0.05, 0.5))
-    assert gains("robots.limits={v=9, omega=90}") == pytest.approx((0.05, 1.25))  # sampling bounds it
+@given(st.floats(0.05, 2.0), st.floats(0.02, 9.0), st.floats(0.2, 90.0), st.sampled_from([0.05, 0.1, 0.4]))
+def test_gains_are_as_large_as_limits_and_sampling_allow(spacing: Any, v: Any, omega: Any, interval: Any) -> None:
+    own = scenario(
+        "consensus",
+        f"formation.spacing={spacing}",
+        f"robots.limits={{v={v}, omega={omega}}}",
+        f"controller.prediction_interval={interval}",
+    )
+    law = Consensus(own, Pair(own, 1))
+    used = [
+        law._gain * spacing / v,  # an error of one spacing asks for no more than the speed there is
+        law._gain * spacing / (omega * law._reach),  # nor, across, for a faster turn
+        2.0 * law._gain * interval / 0.25,  # both gains take away at most a quarter of an error per interval
+    ]
+    assert max(used) == pytest.approx(1.0)
 
 
 # ---------------------------------------------------------------- centralised

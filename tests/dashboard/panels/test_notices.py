@@ -72,3 +72,10 @@ def test_a_world_that_falls_silent_is_shown_and_its_return_too(notices: Notices,
     for alive in (True, False, False, True):
         update(notices, state(), world_alive=alive)
     assert server.titles == ["The world publishes nothing", "The world is back"]
+
+
+def test_a_cut_link_is_not_back_because_its_receiver_was_killed(notices: Notices, server: FakeServer) -> None:
+    cut = {LinkId(1, 2): Fault(cut=True)}
+    for live, faults in (([1, 2, 3], {}), ([1, 2, 3], cut), ([1, 3], cut), ([1, 2, 3], cut), ([1, 2, 3], {})):
+        update(notices, state(live=live, faults=faults))
+    assert server.titles == ["Link 1 → 2 cut", "All links are back"]

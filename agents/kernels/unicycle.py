@@ -2,11 +2,7 @@
 
 import math
 
-import numpy as np
-
 from agents.kernels.jit import (
-    MATRIX,
-    MATRIX_OUT,
     NOTHING,
     REAL,
     STRIDED,
@@ -162,15 +158,3 @@ def age(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float, o
         x, y, theta = step(x, y, theta, inputs[j, 0], inputs[j, 1], min(left, interval))
         left -= interval
     out[0], out[1], out[2] = x, y, theta
-
-
-@kernel_for(MATRIX_OUT, VECTOR, MATRIX, REAL)
-def roll_out(pose: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
-    """Poses (N + 1, 3) along inputs (N, 2), each held for `interval`."""
-    poses = np.empty((len(inputs) + 1, 3))
-    poses[0] = pose
-    for j in range(len(inputs)):
-        poses[j + 1, 0], poses[j + 1, 1], poses[j + 1, 2] = step(
-            poses[j, 0], poses[j, 1], poses[j, 2], inputs[j, 0], inputs[j, 1], interval
-        )
-    return poses

@@ -11,8 +11,8 @@ import numpy as np
 
 from agents.belief import PlanReceiver
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
-from agents.controllers.nash import Game
-from agents.controllers.pair import AS_PRINTED, Pair
+from agents.controllers.pair import Pair
+from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.estimator import Estimate, Estimator, LatestPose, Measurement, WindowEstimator
 from agents.motor_model import MotorModel
@@ -20,7 +20,7 @@ from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
 from formation.pattern import downstream, upstream
-from formation.scenario.registry import AGEING
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Command, LinkCounts, Plan, Status, Tick
@@ -56,12 +56,12 @@ class Agent:
         self._pair = Pair(scenario, robot)
         self._game = Game(scenario, robot, self._pair)
         self._controller = controller or controller_for(scenario, robot, self._pair)
-        self._ages = own.name in AGEING if own.age_plans is None else own.age_plans
+        self._ages = spec_of(own).ages_plans if own.age_plans is None else own.age_plans
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
-        if own.name == "nash" and own.game == "response" and own.hears == "both" and scenario.size > 2:
+        if own.uses_downstream and scenario.size > 2:
             self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
         self._motors = MotorModel(scenario, self._pair.limits)
-        raw = own.name in AS_PRINTED or not scenario.estimator.enabled
+        raw = not spec_of(own).estimates or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
@@ -73,8 +73,7 @@ class Agent:
 
     def _filter(self, scenario: Scenario) -> WindowEstimator:
         own = scenario.controller
-        sees = (own.name == "nash" and own.game == "response") or (own.name == "virtual_structure" and own.sees)
-        return WindowEstimator(scenario, self._pair, self._motors, sees=sees, listens=own.name == "nash")
+        return WindowEstimator(scenario, self._pair, self._motors, sees=own.uses_sight, listens=own.uses_plans)
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
@@ -126,7 +125,9 @@ class Agent:
             self._solves.append(solve)
         v, omega = self._input(k)
         self._motors.command(k, v, omega)
-        return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
+        return Answer(
+            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
+        )
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
@@ -172,6 +173,7 @@ class Agent:
             own.disturbance,
             own.covariance,
             own.alarm_age,
+            own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
         )
@@ -237,7 +239,13 @@ class Agent:
             gap=self._gap(k, stamp),
             rejected=rejected,
             pid=pid,
+            converged=self._converged,
         )
+
+    @property
+    def _converged(self) -> bool:
+        """Whether the newest plan is the solver's, not a fallback."""
+        return self._last is None or self._last[1].converged
 
     def counts(self) -> LinkCounts:
         """What became of the plans sent to this robot by its upstream neighbour."""

@@ -51,13 +51,13 @@ class Belief:
         plan = self.plan
         if plan is None or plan.inputs.shape != tail.shape:
             return NeighborEstimate(slot, tail, plan)
-        elapsed = max(0.0, at - plan.begins)
+        elapsed = at - plan.begins  # negative if the sender looks further ahead
         if elapsed >= len(plan.inputs) * plan.interval:
             return NeighborEstimate(slot, tail, plan)
         pose, inputs = np.empty(3), np.empty_like(tail)
         age_drifting(plan.pose, plan.inputs, plan.drift, elapsed, plan.interval, pose)
-        shift(plan.inputs, elapsed, plan.interval, tail, inputs)
-        return NeighborEstimate(pose, inputs, plan, elapsed, plan.drift)
+        shift(plan.inputs, max(elapsed, 0.0), plan.interval, tail, inputs)
+        return NeighborEstimate(pose, inputs, plan, max(elapsed, 0.0), plan.drift)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour as in its newest plan, whatever the plan's age."""

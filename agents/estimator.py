@@ -53,6 +53,8 @@ class Estimate:
     """(3,) body velocity that no command makes: forward, lateral [m/s], turn [rad/s]."""
     covariance: FloatArray
     """(3, 3) of the pose at the newest measurement."""
+    rejected: int
+    """Localisations rejected in a row."""
     alarm_age: float
     """Since a disturbance was last detected, by the stamp of the measurement [s]; inf if never."""
 
@@ -196,7 +198,9 @@ class WindowEstimator:
             twist,
         )
         alarm = (k - self._tuning.late - int(window.alarm[0])) * self._dt
-        return Estimate(pose, speed, twist, window.copy_mean[0, 3:].copy(), window.copy_cov[:3, :3].copy(), alarm)
+        rejected = int(window.copy_rejected[0, 0])
+        disturbance, covariance = window.copy_mean[0, 3:].copy(), window.copy_cov[:3, :3].copy()
+        return Estimate(pose, speed, twist, disturbance, covariance, rejected, alarm)
 
     def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
         """The upstream neighbour at tick k as it is seen: pose (3,), and drift (2,) in the world frame [m/s].
@@ -269,7 +273,7 @@ class LatestPose:
                 v, omega = self._odometry[t % LENGTH]
                 x, y, theta = unicycle.step(x, y, theta, v, omega, self._dt)
             pose = np.array([x, y, theta])
-        return Estimate(pose, self._speed, self._speed, np.zeros(3), np.zeros((3, 3)), math.inf)
+        return Estimate(pose, self._speed, self._speed, np.zeros(3), np.zeros((3, 3)), 0, math.inf)
 
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""

@@ -40,6 +40,7 @@ VERSION = 2
 WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
 
+Severity = Literal["info", "warning", "error"]
 Mode = Literal["lockstep", "realtime"]
 """Whether the world waits for every agent at every tick, or steps by the wall clock."""
 
@@ -140,6 +141,8 @@ class Command:
     """Whether a plan was sent at this tick."""
     solve: NonNegative
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
+    converged: Flag = True
+    """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
     __pydantic_config__ = STRICT
 
 
@@ -187,6 +190,8 @@ class Status:
     rejected: Count
     """Payloads that were not valid messages."""
     pid: Count
+    converged: Flag = True
+    """As in the Command of the same tick."""
     __pydantic_config__ = STRICT
 
 
@@ -198,6 +203,8 @@ class Event:
     stamp: NonNegative
     kind: Literal["run", "fault", "agent", "watchdog", "wire"]
     text: Text
+    severity: Severity = "info"
+    """How much it matters; info also when something is well again. Set by who raises the event."""
     __pydantic_config__ = STRICT
 
 

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
+from formation.scenario.controllers import ControllerOptions
+from formation.scenario.scenario import Scenario
 from network.messages import NO_NEWS, STILL, Plan
 
 NONE: FloatArray = frozen(np.zeros(3))
@@ -50,6 +52,8 @@ class Observation:
     """(3, 3) of the estimated pose."""
     alarm_age: float = math.inf
     """Since the last detection of a disturbance of the own robot [s]."""
+    rejected: int = 0
+    """Localisations rejected in a row."""
     gap: float = 0.0
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
     lag: float = 0.0
@@ -79,3 +83,12 @@ class Controller(Protocol):
     def plan(self, observation: Observation) -> Solution:
         """Inputs from now on."""
         ...
+
+
+Options = TypeVar("Options", bound=ControllerOptions)
+
+
+def options_of(scenario: Scenario, kind: type[Options]) -> Options:
+    """The scenario's options of this controller; the default ones if it names another controller."""
+    own = scenario.controller
+    return own if isinstance(own, kind) else kind.model_validate({})

@@ -10,10 +10,8 @@ from agents.kernels.window_filter import Table
 from formation.arrays import FloatArray
 from formation.pattern import downstream, rotate, upstream
 from formation.reference import Block, Reference
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
-
-AS_PRINTED = ("paper", "leader_follower")
-"""Controllers that follow the paper's references, including their jumps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +38,7 @@ class Pair:
         self.further = upstream(other, scenario.size)
         """The upstream neighbour of the upstream neighbour."""
         columns = [robot, other, self.further, downstream(robot, scenario.size)]
-        self.reference: Reference = scenario.reference(columns, rounded=controller.name not in AS_PRINTED)
+        self.reference: Reference = scenario.reference(columns, rounded=spec_of(controller).rounds_corners)
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])

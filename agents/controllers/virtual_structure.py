@@ -1,4 +1,4 @@
-"""Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and hears nobody.
+"""Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and uses no message.
 
 After Lewis and Tan (1997) and Ren and Beard (2004), without formation feedback. It is `nash` without trust: the same
 horizon over the same model, limits, reference, estimator and own weight, so that a comparison with `nash` is about
@@ -6,15 +6,18 @@ messages only. With `sees` it also holds the edge to the neighbour that it sense
 """
 
 from agents.controllers.best_response import BestResponse, Weights
+from agents.controllers.interface import options_of
 from agents.controllers.pair import Pair
+from formation.scenario.controllers import VirtualStructureOptions
 from formation.scenario.scenario import Scenario
 
-TURN = {False: 0.5, True: 0.4}
-"""R of the turn rate, without and with sight: each has then the jitter of `nash`."""
+SPEED, TURN = 0.01, {False: 0.5, True: 0.4}
+"""R of a speed of one spacing per second, and of a turn rate of 1 rad/s, without and with sight: with the second, each
+has the jitter of `nash`."""
 
 
 def virtual_structure(scenario: Scenario, pair: Pair) -> BestResponse:
     """The controller of one robot."""
-    own = scenario.controller
-    speed, turn = own.r or (0.01, TURN[own.sees])
-    return BestResponse(pair, scenario.spacing, Weights(own.own_weight, speed, turn), None, sources=0)
+    own, spacing = options_of(scenario, VirtualStructureOptions), scenario.spacing
+    speed, turn = (own.r[0] * spacing**2, own.r[1]) if own.r else (SPEED, TURN[own.sees])
+    return BestResponse(pair, spacing, Weights(own.own_weight, speed, turn), None, sources=0)

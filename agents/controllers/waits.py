@@ -56,6 +56,7 @@ class Waits:
             observation.pose,
             math.sqrt(max(variance, 0.0)),
             float(observation.disturbance[0]),
+            observation.rejected,
             observation.gap,
         )
         late = (state.real[LAG] + (1.0 - state.real[PACE]) * self._step) / pair.tick

@@ -31,12 +31,14 @@ def age_drifting(
         pose: (3,) where the plan begins [m, m, rad].
         inputs: (N, 2) mean body velocities per interval [m/s, rad/s].
         drift: (2,) in the world frame [m/s].
-        elapsed: [s].
+        elapsed: [s]; if it is negative, the first input held before the plan began.
         interval: Delta_T [s].
         out: (3,).
     """
     x, y, theta = pose[0], pose[1], pose[2]
     left = elapsed
+    if elapsed < 0.0:  # the sender looks further ahead than we do
+        x, y, theta = step(x, y, theta, inputs[0, 0], inputs[0, 1], elapsed)
     for j in range(len(inputs)):
         if left <= 1e-12:
             break

@@ -52,10 +52,20 @@ CUT = 0.003
 """A waiting robot promises this much more speed than it reached lately [m/s]."""
 REACHED = 0.1
 """Time constant of that mean [s]."""
+CARRIED, CARRIED_TIME, CARRIED_TICKS, EARLY = 0.003, 0.16, 60, 20
+"""A robot that got backwards or sideways by more than 3 mm and 4 standard deviations of its position within 0.16 s is
+carried away, not unable to move: for 0.6 s what it did not make is no reason to wait. Only before it waits, and 0.2 s
+into it: later a stuck robot's estimate runs ahead and is pulled back."""
+PAST = 16
+DOUBT, DOUBTS, DOUBT_AGAIN = 3, 30, 100
+"""Where so many localisations in a row were rejected, where the robot is shows 0.3 s later: until then it does not
+begin to wait; at most once a second."""
 NEED, RATE, SHORT, INTEGRAL, LAG, PACE, PEAK, SPEED = range(8)
 """Columns of `real`: n [s], r, short [spacings], I, lag [s], pace, peak of |omega_r| [rad/s], reached speed [m/s]."""
-WAITS, UNABLE, PLANNED = range(3)
-"""Columns of `whole`: 1 while waiting; tick before which the robot is not able; 1 once there is a last plan."""
+WAITS, UNABLE, PLANNED, AWAY, SINCE, DOUBTED = range(6)
+"""Columns of `whole`: 1 while waiting; tick before which the robot is not able; 1 once there is a last plan; tick
+before which it counts as carried away; tick at which it began to wait, and at which it doubted
+where it is."""
 
 
 class Wait(NamedTuple):
@@ -64,7 +74,7 @@ class Wait(NamedTuple):
     real: FloatArray
     """(8,)"""
     whole: IntArray
-    """(3,)"""
+    """(6,)"""
     pose: FloatArray
     """(3,) at the stamp of the last plan."""
     velocities: FloatArray
@@ -73,9 +83,13 @@ class Wait(NamedTuple):
     """(2,) of the last plan [m/s]."""
     news: FloatArray
     """(n, 3) n [s], r, stamp in ticks (-1: none) of every robot, the own included."""
+    past: FloatArray
+    """(PAST, 3) poses at the stamps of the last plans, newest first; x is NaN where there is none."""
 
 
-WAIT = named(Wait, VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, MATRIX_OUT, VECTOR_OUT, MATRIX_OUT)
+LONG_AGO = -1000
+"""Tick of a doubt that never was."""
+WAIT = named(Wait, VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, MATRIX_OUT, VECTOR_OUT, MATRIX_OUT, MATRIX_OUT)
 
 
 def start(robots: int, steps: int) -> Wait:
@@ -84,7 +98,9 @@ def start(robots: int, steps: int) -> Wait:
     real[PACE] = 1.0
     news = np.zeros((robots, 3))
     news[:, 2] = -1.0
-    return Wait(real, np.zeros(3, dtype=np.int64), np.zeros(3), np.zeros((steps, 2)), np.zeros(2), news)
+    whole = np.array([0, 0, 0, 0, 0, LONG_AGO])
+    past = np.full((PAST, 3), np.nan)
+    return Wait(real, whole, np.zeros(3), np.zeros((steps, 2)), np.zeros(2), news, past)
 
 
 class Self(NamedTuple):
@@ -99,11 +115,13 @@ class Self(NamedTuple):
     """Standard deviation of its position along its heading [m]."""
     disturbance: float
     """d_v [m/s]."""
+    rejected: int
+    """Localisations rejected in a row."""
     gap: float
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
 
 
-SELF = named(Self, WHOLE, REAL, VECTOR_OUT, REAL, REAL, REAL)
+SELF = named(Self, WHOLE, REAL, VECTOR_OUT, REAL, REAL, WHOLE, REAL)
 
 
 @kernel_for(NOTHING, WAIT, MATRIX)
@@ -137,6 +155,23 @@ def somebody(w: Wait, robot: int, stamp: float, heard_waits: bool, dt: float) ->
 
 
 @kernel
+def _carried(w: Wait, pose: FloatArray, forward: float, h: float) -> float:
+    """How far the robot got backwards or sideways in the last CARRIED_TIME [m]; wheels alone cannot do that."""
+    back = min(max(round(CARRIED_TIME / h), 1), PAST) - 1
+    then = w.past[back]
+    found = 0.0
+    if not math.isnan(then[0]):
+        middle = 0.5 * (then[2] + pose[2])
+        c, s = math.cos(middle), math.sin(middle)
+        dx, dy = pose[0] - then[0], pose[1] - then[1]
+        found = max(-forward * (c * dx + s * dy), abs(c * dy - s * dx))
+    for a in range(PAST - 1, 0, -1):
+        w.past[a] = w.past[a - 1]
+    w.past[0] = pose
+    return found
+
+
+@kernel
 def _follow(w: Wait, robot: int, stamp: float, h: float, dt: float) -> None:
     """Lag and pace follow the largest need that is known."""
     real = w.real
@@ -158,7 +193,7 @@ def _follow(w: Wait, robot: int, stamp: float, h: float, dt: float) -> None:
 
 
 @kernel_for(NOTHING, WAIT, SELF, VECTOR, VECTOR, REAL, REAL, REAL, REAL, REAL)
-def decide(
+def decide(  # noqa: PLR0915  one law, in the order of its equations
     w: Wait,
     me: Self,
     slot: FloatArray,
@@ -189,15 +224,20 @@ def decide(
     behind = forward * (c * (slot[0] - pose[0]) + s * (slot[1] - pose[1])) / spacing
     c, s = math.cos(pose[2]), math.sin(pose[2])
     real[SHORT] *= math.exp(-h / MEMORY)
+    now = int(me.stamp)
     if whole[PLANNED] == 1:
         expected = np.empty(3)
         age_drifting(w.pose, w.velocities, w.drift, h, interval, expected)
         real[SHORT] += forward * (c * (expected[0] - pose[0]) + s * (expected[1] - pose[1])) / spacing
         moved = (c * (pose[0] - w.pose[0]) + s * (pose[1] - w.pose[1])) / h
         real[SPEED] += (1.0 - math.exp(-h / REACHED)) * (moved - real[SPEED])
+    carried = _carried(w, pose, forward, h)
+    if (whole[WAITS] == 0 or now < whole[SINCE] + EARLY) and carried > CARRIED + 4.0 * me.sigma:
+        whole[AWAY] = now + CARRIED_TICKS
+    if now < whole[AWAY]:
+        real[SHORT] = min(real[SHORT], 0.0)
     real[PEAK] = max(abs(omega_r), real[PEAK] * math.exp(-h / TURN_MEMORY))
 
-    now = int(me.stamp)
     if abs(me.gap) >= ABLE_GAP or abs(me.disturbance) >= ABLE_SHARE * abs(v_r):
         whole[UNABLE] = now + ABLE_TICKS
     oldest = ages(w, me.robot, me.stamp, dt)
@@ -207,10 +247,14 @@ def decide(
     width = max(LEAST_WIDTH, free)
     free += TURN_FREE * max(real[PEAK] - TURN_CALM, 0.0)
 
-    if whole[WAITS] == 0:
+    if me.rejected >= DOUBT and now > whole[DOUBTED] + DOUBT_AGAIN:
+        whole[DOUBTED] = now
+    if whole[WAITS] == 0 and now < whole[DOUBTED] + DOUBTS:
+        p = 0.0
+    elif whole[WAITS] == 0:
         p = between((min(behind, real[SHORT]) - free) / width, 0.0, 1.0)
         if p > 0.0:
-            whole[WAITS] = 1
+            whole[WAITS], whole[SINCE] = 1, now
             real[NEED] = max(real[NEED], real[LAG])
     else:
         push = behind if behind < 0.0 else min(behind, max(real[SHORT], 0.0))

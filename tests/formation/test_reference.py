@@ -139,8 +139,8 @@ def test_a_block_holds_every_tick_to_the_end_of_the_horizon() -> None:
 
 def test_a_block_is_made_once() -> None:
     reference = load("figure8").reference()
-    assert reference.block(3) is reference.block(1999)
-    assert reference.block(3) is not reference.block(2000)
+    assert reference.block(3) is reference.block(BLOCK_TICKS - 1)
+    assert reference.block(3) is not reference.block(BLOCK_TICKS)
 
 
 def test_the_reference_of_some_robots_has_their_columns() -> None:

@@ -139,7 +139,7 @@ def test_one_service_builds_the_image_that_all_use() -> None:
 
 
 def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() -> None:
-    """A kernel's cache goes by its source's path: compiled from the copied folders, no container would find it."""
+    """Kernels are compiled from the packages that containers run, not from the copied folders."""
     lines = (ROOT / "Dockerfile").read_text().splitlines()
     copied = {line.split()[1] for line in lines if re.fullmatch(r"COPY (\S+) \1", line)}
     packages = re.search(r"^packages = (\[.*\])$", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)

@@ -1,0 +1,28 @@
+"""What the world needs of the robots' bodies, whatever moves them."""
+
+from typing import Protocol
+
+from formation.arrays import FloatArray
+from world.bodies.sensors import Measured
+
+
+class Bodies(Protocol):
+    """The bodies of all robots of an episode. The same scenario gives the same motion for the same inputs."""
+
+    @property
+    def poses(self) -> FloatArray:
+        """(n, 3) true poses now, read-only [m, m, rad]."""
+        ...
+
+    @property
+    def odometry(self) -> FloatArray:
+        """(n, 2) speeds of the wheels over the last tick [m/s, rad/s]."""
+        ...
+
+    def measure(self) -> Measured | None:
+        """What sensors deliver at this tick; called once per tick."""
+        ...
+
+    def move(self, inputs: FloatArray) -> None:
+        """One tick on, under inputs (n, 2) that are kept within the limits [m/s, rad/s]."""
+        ...

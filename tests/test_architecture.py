@@ -153,7 +153,9 @@ def test_a_wrong_import_would_be_found(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
     (tmp_path / "agents").mkdir()
     file = tmp_path / "agents" / "bad.py"
-    file.write_text("def f():\n    from world.bodies.unicycle import Plant\n    import cli.main\n", encoding="utf-8")
+    file.write_text(
+        "def f():\n    from world.bodies.wheeled import WheeledBodies\n    import cli.main\n", encoding="utf-8"
+    )
     assert violations(file) == ["cli", "world"]
 
 

@@ -121,9 +121,7 @@ def examine(
     asked = most / step * MARGIN * limits
     return Feasibility(
         tuple(
-            Demand(
-                robot, float(v), place_at(motion.path, float(k[0])), float(omega), place_at(motion.path, float(k[1]))
-            )
+            Demand(robot, float(v), place_at(path, float(k[0])), float(omega), place_at(path, float(k[1])))
             for robot, ((v, omega), k) in enumerate(zip(asked, at * step, strict=True), start=1)
         ),
         (float(limits[0]), float(limits[1])),

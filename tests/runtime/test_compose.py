@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
@@ -15,49 +16,22 @@ from runtime.process_list import Plan, Program, programs
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
-LINE = re.compile(r"( *)([\w.-]+):(?: &\w+)?(?: (.*))?")
-ITEM = re.compile(r" +- (\S.*)")
+
+
+class Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+    """Refuses a key that stands twice in one map, as compose does and PyYAML does not."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        own = [key.value for key, _ in node.value if key.value != "<<"]
+        assert len(own) == len(set(own)), f"twice in one map: {own}"
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The little of YAML that our compose files use: nested keys, JSON or bare values, lists, and one anchor."""
-    root: dict[str, Any] = {}
-    open_maps: list[tuple[int, dict[str, Any]]] = [(-1, root)]
-    shared: dict[str, Any] = {}
-    holder, key = root, ""
-    for line in text.splitlines():
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        if line.strip() == "<<: *service":
-            open_maps[-1][1].update(shared)
-        elif item := ITEM.fullmatch(line):
-            if not isinstance(holder[key], list):
-                holder[key] = []
-                open_maps.pop()
-            holder[key].append(value_of(item[1]))
-        else:
-            match = LINE.fullmatch(line)
-            assert match is not None, line
-            indent, key, text_value = len(match[1]), match[2], match[3]
-            while open_maps[-1][0] >= indent:
-                open_maps.pop()
-            holder = open_maps[-1][1]
-            assert key not in holder or holder[key] == shared.get(key), f"twice: {line}"
-            if text_value is None:
-                holder[key] = {}
-                open_maps.append((indent, holder[key]))
-                if "&service" in line:
-                    shared = holder[key]
-            else:
-                holder[key] = value_of(text_value)
-    return root
-
-
-def value_of(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError:
-        return text[1:-1].split(", ") if text.startswith("[") else text
+    """The file as compose reads it."""
+    found: dict[str, Any] = yaml.load(text, Loader)
+    return found
 
 
 def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
@@ -79,26 +53,10 @@ def without(arguments: Sequence[str], *flags: str) -> list[str]:
     return left
 
 
-def test_the_parser_reads_what_is_there() -> None:
-    text = """\
-x: &service
-  a: [B]
-  n: [f]
-
-services:
-  one:
-    <<: *service
-    c: ["p", "1"]
-    h:
-      t: 5s
-    p:
-      - "q"
-      - "r"
-    e: no
-"""
-    assert parsed(text)["services"] == {
-        "one": {"a": ["B"], "n": ["f"], "c": ["p", "1"], "h": {"t": "5s"}, "p": ["q", "r"], "e": "no"}
-    }
+def test_a_key_that_stands_twice_is_found() -> None:
+    assert parsed("x: &s {a: 1}\ny: {<<: *s, b: 2}") == {"x": {"a": 1}, "y": {"a": 1, "b": 2}}
+    with pytest.raises(AssertionError, match="twice"):
+        parsed("x: {a: 1, a: 2}")
 
 
 def test_the_file_is_what_the_generator_gives() -> None:
@@ -181,7 +139,7 @@ def test_one_service_builds_the_image_that_all_use() -> None:
 
 
 def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() -> None:
-    """A kernel's cache goes by its source's path: compiled from the copied folders, no container would find it."""
+    """Kernels are compiled from the packages that containers run, not from the copied folders."""
     lines = (ROOT / "Dockerfile").read_text().splitlines()
     copied = {line.split()[1] for line in lines if re.fullmatch(r"COPY (\S+) \1", line)}
     packages = re.search(r"^packages = (\[.*\])$", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)

@@ -19,7 +19,7 @@ from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
 from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
-from world.bodies.unicycle import Plant
+from world.bodies.registry import bodies_for
 from world.convergence import Convergence
 from world.faults import FaultState
 from world.trace import Trace
@@ -57,7 +57,7 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.period is not None
-        self.plant = Plant(scenario)
+        self.plant = bodies_for(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)

@@ -54,7 +54,7 @@ def nominal(bodies: Bodies, dt: float) -> Nominal:
         ValueError: a rate is higher than one measurement a tick.
     """
     sensor = bodies.localisation
-    period = 1.0 / (sensor.rate * dt)
+    period = 1.0 if sensor.rate is None else 1.0 / (sensor.rate * dt)
     if period < 1.0 - 1e-9:
         raise ValueError(f"localisation.rate: expected at most {1.0 / dt:g} a second; got {sensor.rate:g}")
     return Nominal(

@@ -28,8 +28,8 @@ class Dropout(Model):
 class Localisation(Model):
     """What tells a robot where it is."""
 
-    rate: Positive = 100.0
-    """Measurements a second; a whole number of ticks lies between two."""
+    rate: Positive | None = None
+    """Measurements a second; if absent, one a tick. A whole number of ticks lies between two."""
     age: Duration = 0.0
     """From the moment that is measured to its arrival [s]."""
     position: NonNegative = 0.0

@@ -11,7 +11,7 @@ import pytest
 
 from formation.metrics import pattern_errors, wrapped
 from formation.pattern import rotate
-from formation.reference import BLOCK_TICKS, HORIZONS, Block, Reference
+from formation.reference import BEHIND_TICKS, BLOCK_TICKS, HORIZONS, Block, Reference
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
@@ -118,11 +118,11 @@ def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_heading_ahead() -> N
 def test_a_row_does_not_depend_on_the_block_it_stands_in(name: Any) -> None:
     scenario = load(name)
     first, second = scenario.reference().block(0), scenario.reference().block(BLOCK_TICKS)
-    assert (first.first, second.first) == (0, BLOCK_TICKS)
-    ahead = HORIZONS * scenario.stride * scenario.controller.horizon
+    assert (first.first, second.first) == (0, BLOCK_TICKS - BEHIND_TICKS)
+    both = BEHIND_TICKS + HORIZONS * scenario.stride * scenario.controller.horizon + 1
     for table in ("centre", "slots", "inputs"):
-        a, b = getattr(first, table)[BLOCK_TICKS:], getattr(second, table)[: ahead + 1]
-        assert len(a) == len(b) == ahead + 1
+        a, b = getattr(first, table)[second.first :], getattr(second, table)[:both]
+        assert len(a) == len(b) == both
         # Times are multiples of the same tick in both: equal to the last bit.
         np.testing.assert_array_equal(a, b)
 

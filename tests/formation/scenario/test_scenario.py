@@ -138,7 +138,10 @@ def test_start_noise_has_the_standard_deviations_asked_for() -> None:
         ("path.radius=1.5", lambda s: s.path.radius == 1.5),
         ("controller.name=paper", lambda s: s.controller.name == "paper"),
         ("controller={name='paper', errata=[1, 2]}", lambda s: getattr(s.controller, "errata", ()) == (1, 2)),
-        ("controller.q=[1, 2, 3, 4, 5, 6]", lambda s: s.controller.q == [1, 2, 3, 4, 5, 6]),
+        (
+            "controller={game='pair', q=[1, 2, 3, 4, 5, 6]}",
+            lambda s: getattr(s.controller, "q", ()) == [1, 2, 3, 4, 5, 6],
+        ),
         ("controller.age_plans=false", lambda s: s.controller.age_plans is False),
         ("link.keep_order=true", lambda s: s.link.keep_order is True),
         ("name=other", lambda s: s.name == "other"),

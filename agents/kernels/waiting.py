@@ -135,11 +135,12 @@ def merge(w: Wait, news: FloatArray) -> None:
 
 @kernel
 def ages(w: Wait, robot: int, stamp: float, dt: float) -> float:
-    """Age of the oldest news of any other robot [s], at least 0.02."""
+    """Age of the oldest news of any other robot [s], at least 0.02; who has been silent for longer than KNOWN is gone."""
     oldest = 0.02
     for q in range(len(w.news)):
-        if q != robot:
-            oldest = max(oldest, (stamp - max(w.news[q, 2], 0.0)) * dt)
+        old = (stamp - max(w.news[q, 2], 0.0)) * dt
+        if q != robot and old <= KNOWN:
+            oldest = max(oldest, old)
     return oldest
 
 

@@ -45,7 +45,7 @@ _SPECS = (
     ControllerSpec(LeaderFollowerOptions, "CC79A7", estimates=False, rounds_corners=False),
     ControllerSpec(VirtualStructureOptions, "009E73"),
     ControllerSpec(ConsensusOptions, "E69F00", ages_plans=True),
-    ControllerSpec(CentralisedOptions, "222222", in_process_only=True),
+    ControllerSpec(CentralisedOptions, "222222", in_process_only=True, estimates=False),
 )
 CONTROLLERS: dict[str, ControllerSpec] = {spec.name: spec for spec in _SPECS}
 DEFAULT = _SPECS[0].name

@@ -409,7 +409,7 @@ def test_every_controller_can_run_live_or_is_refused_by_name() -> None:
     for name in NAMES:
         task = scenario(name)
         if name in LIVE:
-            assert Agent(task, 2).step(0, 0.0, task.start_poses()[1]).plan is not None
+            assert Agent(task, 2).step(builders.tick(0, task.start_poses())).plan is not None
         else:
             with pytest.raises(ScenarioError) as mistake:
                 Agent(task, 2)

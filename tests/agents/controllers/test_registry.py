@@ -40,7 +40,7 @@ def test_every_key_is_described(name: Any) -> None:
 
 
 def test_another_controller_keeps_what_fits_every_controller() -> None:
-    before = load("circle", {"controller": {"formation": 0.5, "horizon": 10, "plan_every": 2}})
+    before = load("circle", {"controller": {"own_weight": 50.0, "horizon": 10, "plan_every": 2}})
     after = with_controller(before, "paper").controller
     assert after.model_fields_set & {*SHARED_KEYS} == {"horizon", "plan_every"}
     assert (after.name, after.horizon, after.plan_every) == ("paper", 10, 2)

@@ -14,6 +14,8 @@ from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
 
+BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step)
+"""Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 _SHARED_KEYS = ("horizon", "prediction_interval", "plan_every", "age_plans")
 """Keys of a controller that fit every controller."""
 
@@ -48,6 +50,11 @@ class RunControl:
         """Whether the next tick may be sent."""
         return self.status == "running" or (self.status == "paused" and self._ticks_left > 0)
 
+    @property
+    def calling(self) -> bool:
+        """Whether the next tick may be sent although nobody is live, for those who did not answer to answer again."""
+        return self._go and not (self._world.finished or self._world.live) and bool(self._roster.failed)
+
     def note_tick(self) -> None:
         """Count a tick."""
         self._ticks_left = max(0, self._ticks_left - 1)
@@ -62,15 +69,14 @@ class RunControl:
         match operation:
             case control.Start():
                 if world.finished:
-                    world.reset()
+                    self._reset()
                 self._go = True
             case control.Pause():
                 self._go, self._ticks_left = False, 0
             case control.Step(ticks=ticks):
                 self._go, self._ticks_left = False, ticks
             case control.Reset():
-                world.reset()
-                self._ticks_left = 0
+                self._reset()
             case control.Speed(speed=speed):
                 self._pace.speed = speed
             case control.SetFault(link=link, changes=changes, seconds=seconds):
@@ -110,6 +116,11 @@ class RunControl:
         tables = world.faults.since(known)
         told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
         return {"episode": world.episode, "changes": world.faults.changes, "tables": told}
+
+    def _reset(self) -> None:
+        self._world.reset()
+        self._roster.recall()
+        self._ticks_left = 0
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)

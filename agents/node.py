@@ -105,11 +105,12 @@ class AgentNode:
             if self._last_status is not None:
                 self._actions.append(Publish(self._status_key, self._last_status))
         self.state, output = TABLE[self.state, self._event()]
+        while output is Output.ANSWER:
+            self._answer(now)
+            self.state, output = TABLE[self.state, self._event()]
         if output is Output.ASK and now >= self._ask_at:
             self._ask_at = now + ASK_SECONDS
             self._actions.append(Ask(request(GetSetup())))
-        elif output is Output.ANSWER:
-            self._answer(now)
         actions, self._actions = self._actions, []
         return actions
 
@@ -119,8 +120,9 @@ class AgentNode:
             return Event.NOTHING if self._unknown is None else Event.UNKNOWN
         if setup.revision != tick.revision:
             return Event.UNKNOWN
-        if setup.mode == "lockstep" and agent.upstream in tick.planned and agent.upstream not in tick.gone:
-            return Event.READY if (tick.episode, tick.seq - 1) in self._plans else Event.LACKING
+        waits = setup.mode == "lockstep" and agent.upstream in tick.planned and agent.upstream not in tick.gone
+        if waits and (tick.episode, tick.seq - 1) not in self._plans:
+            return Event.LACKING if self._unknown is None else Event.UNKNOWN  # the plan may never come
         return Event.READY
 
     # ------------------------------------------------------------------ what comes in

@@ -1,15 +1,16 @@
 """A lockstep run inside one test: the nodes of world and agents on the memory bus, on a time that the test moves on."""
 
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from agents import process as agent_process
 from agents.node import AgentNode
 from formation.scenario.scenario import Scenario
 from network import topics
-from network.bus import Response, perform
+from network.bus import Publish, Response, perform
 from network.codec import decode
 from network.control import Operation, request
 from network.memory_bus import Letter, MemoryBus, MemoryHub
@@ -49,9 +50,7 @@ class Weather:
         if draws.random() < self.lost:
             return ()
         copies = 2 if draws.random() < self.doubled else 1
-        return tuple(
-            draws.uniform(0.0, self.longest) if draws.random() < self.delayed else WAY for _ in range(copies)
-        )
+        return tuple(draws.uniform(0.0, self.longest) if draws.random() < self.delayed else WAY for _ in range(copies))
 
 
 class _Process:
@@ -82,8 +81,17 @@ class AgentProcess(_Process):
         agent_process.join(bus, robot)
         self.node = AgentNode(bus.run, robot)
 
+        self.steps: dict[int, bool] = {}
+        """Ticks that it has answered, and whether it then had the upstream neighbour's plan of the tick before."""
+
     def turn(self, now: float) -> None:
-        perform(self.bus, self.node.feed(self.bus.arrivals(), now), self.log)
+        actions = self.node.feed(self.bus.arrivals(), now)
+        for action in actions:
+            if isinstance(action, Publish) and isinstance(action.message, Command):
+                k, agent = action.message.seq, self.node._agent
+                assert agent is not None
+                self.steps.setdefault(k, agent.heard == k - 1)
+        perform(self.bus, actions, self.log)
         self.wake_at = now + self.node.patience
 
 
@@ -101,7 +109,8 @@ class MemoryRun:
         for robot in self.world.robots:
             self.start_agent(robot)
         self.user = self.hub.join(RUN, "user")
-        self.deaths: list[tuple[int, int]] = []
+        self.dead: list[AgentProcess] = []
+        self._outages = 0
 
     def _record(self, world: World) -> None:
         advance = world.advance
@@ -125,8 +134,26 @@ class MemoryRun:
 
     def kill_agent(self, robot: int) -> None:
         process = self.agents[robot]
-        process.alive = False
-        process.bus.close()
+        if process.alive:
+            process.alive = False
+            process.bus.close()
+            self.dead.append(process)
+
+    def router_goes(self) -> None:
+        """Every link goes down, and stays so until the router is back."""
+        self._outages += 1
+        self.hub.disconnect()
+
+    def router_returns(self, delays: Sequence[float]) -> None:
+        """Every process finds the router again in its own time, unless it has gone again."""
+        self._outages -= 1
+        for bus, delay in zip(list(self.hub.buses), delays, strict=False):
+            self.at(delay, partial(self.connect, bus))
+
+    def connect(self, bus: MemoryBus) -> None:
+        """A process finds the router, if it is there."""
+        if not self._outages:
+            self.hub.connect(bus)
 
     def suspend(self, *robots: int, world: bool = False) -> None:
         for process in self._named(robots, world):
@@ -144,6 +171,15 @@ class MemoryRun:
         """Have a user request something; the answer is in `replies`."""
         self.user.request(request(operation))
 
+    def ask_until(self, operation: Operation, done: Callable[[], bool]) -> None:
+        """Have a user request something, again and again until it is so."""
+        for _ in range(20):
+            self.ask(operation)
+            self.run(5.0, done)
+            if done():
+                return
+        raise AssertionError(f"{operation} was asked for in vain; {self.node.phase}")
+
     @property
     def replies(self) -> list[Reply]:
         return [decode(Reply, item.payload) for item in self.user.arrivals() if isinstance(item, Response)]
@@ -158,7 +194,7 @@ class MemoryRun:
 
     def at(self, delay: float, act: Callable[[], object]) -> None:
         """Have something happen after so long [s]."""
-        self.hub.later(delay, lambda: act() and None)
+        self.hub.later(delay, act)
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
         """Go on for so long [s], or until something is so."""

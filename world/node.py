@@ -169,7 +169,9 @@ class WorldNode:
         world.advance(commands)
         self._pace.end(now)
         self._orders.note_tick()
-        self.phase = TABLE[self.phase, Event.FINISHED if self.phase is Phase.DRIVE and world.finished else Event.COMPLETE]
+        self.phase = TABLE[
+            self.phase, Event.FINISHED if self.phase is Phase.DRIVE and world.finished else Event.COMPLETE
+        ]
         self._sent_at = self._asked_at = self._running
 
     def _send_tick(self) -> None:
@@ -179,10 +181,6 @@ class WorldNode:
 
     # ------------------------------------------------------------------ lockstep
 
-    @property
-    def _silent(self) -> set[int]:
-        return self._awaited - self._commands.keys() if self.phase is Phase.ASK else set()
-
     def _wait(self) -> None:
         """Repeat the tick; once the patience is over, count the silent agents as failed."""
         if self._running - self._sent_at > RESEND_SECONDS:
@@ -190,7 +188,7 @@ class WorldNode:
         if not self._roster.certain:
             self._asked_at = self._running
         elif self._running - self._asked_at > self._world.scenario.lockstep.patience:
-            for robot in sorted(self._silent):
+            for robot in sorted(self._awaited - self._commands.keys()):
                 self._failed_at[robot] = self._world.k
                 self._roster.silent(robot)
             self._note_changes()
@@ -285,7 +283,8 @@ class WorldNode:
             return
         self._state_at = now + topics.STATE.interval
         self._states += 1
-        waited = self._silent if self._running - self._asked_at > SHOWN_SECONDS else set()
+        late = self.phase is Phase.ASK and self._running - self._asked_at > SHOWN_SECONDS
+        waited = self._awaited - self._commands.keys() if late else set()
         state = self._world.state(
             seq=self._states,
             status=self._orders.status,

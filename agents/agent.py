@@ -19,8 +19,9 @@ from formation import unicycle
 from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.pattern import upstream
-from formation.scenario.registry import AGEING
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
@@ -61,10 +62,10 @@ class Agent:
         self._controller = controller or controller_for(scenario, robot, self._pair)
         self._ages = scenario.controller.age_plans
         if self._ages is None:
-            self._ages = scenario.controller.name in AGEING
+            self._ages = spec_of(scenario.controller).ages_plans
         self._belief = Belief()
-        self._plans: Link[Plan] = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
-        self._poses: Link[FloatArray] = Link(scenario.seed, "world", str(robot))
+        self._plans: Link[Plan] = Link(scenario.seed, LinkId.plans_to(robot, scenario.size), scenario.link)
+        self._poses: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self._pose: tuple[int, FloatArray] | None = None
         self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
         self._last: tuple[int, Solution, FloatArray] | None = None
@@ -73,10 +74,10 @@ class Agent:
         self._corrupt = 0
         self._solves: list[float] = []
 
-    def set_faults(self, faults: Mapping[str, Fault]) -> None:
+    def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
-        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
-        self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
+        self._plans.fault = faults.get(self._plans.id, PERFECT)
+        self._poses.fault = faults.get(self._poses.id, PERFECT)
 
     @property
     def heard(self) -> int:
@@ -130,7 +131,9 @@ class Agent:
             )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
-        return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
+        return Answer(
+            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
+        )
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
@@ -141,7 +144,7 @@ class Agent:
             seq=k,
             stamp=stamp,
             episode=self.episode,
-            link=f"{self.upstream}->{self.robot}",
+            link=self._plans.id,
             age=self._belief.seconds_old(stamp),
             plan=self._said,
             held=self._belief.plan,
@@ -151,7 +154,13 @@ class Agent:
             gap=self._gap(k, stamp),
             rejected=rejected,
             pid=pid,
+            converged=self._converged,
         )
+
+    @property
+    def _converged(self) -> bool:
+        """Whether the newest plan is the solver's, not a fallback."""
+        return self._last is None or self._last[1].converged
 
     def counts(self) -> LinkCounts:
         """Counts of the plans sent to this robot."""

@@ -12,7 +12,6 @@ from pydantic import ValidationError
 from agents.agent import Agent, Answer
 from agents.states import TABLE, Event, Output, State
 from formation.errors import WireError
-from formation.faults import Fault
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
@@ -222,7 +221,7 @@ class AgentNode:
     def _renew(self, setup: Setup) -> None:
         """Another revision of the episode, or the same as of now."""
         if self._agent is not None:
-            self._agent.set_faults({link: Fault.model_validate(fault) for link, fault in setup.faults.items()})
+            self._agent.set_faults(setup.faults)
         self._setup = setup
         if self._tick is not None and self._tick.revision < setup.revision:
             self._tick = None  # the world is past it

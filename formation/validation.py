@@ -1,12 +1,15 @@
 """Validation errors as one line each: the key's path, what was expected, what was got."""
 
 import types
-from typing import Annotated, Any, Union, get_args, get_origin
+from collections import Counter
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from formation.errors import unknown
 
+TAGS = ("kind", "name")
+"""Keys by which a table says which of several models it is."""
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),
@@ -15,17 +18,49 @@ _BOUNDS = {
 }
 
 
+LONGEST = 60
+"""Characters of a wrong value that a line shows."""
+
+
 def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
-    """One line per mistake in the data of a `model`."""
-    return [_line(dict(item), model) for item in error.errors(include_url=False)]
+    """One line per mistake in what was to become a `model`; mistakes of one kind in the rows of a list share a line."""
+    first: dict[object, str] = {}
+    count: Counter[object] = Counter()
+    for item in error.errors(include_url=False):
+        kind = _kind(dict(item))
+        count[kind] += 1
+        if kind not in first:
+            first[kind] = _line(dict(item), model)
+    more = {kind: f" (and {n - 1} more like it)" if n > 1 else "" for kind, n in count.items()}
+    return [line + more[kind] for kind, line in first.items()]
+
+
+def _kind(item: dict[str, Any]) -> object:
+    """What mistakes have in common that differ by their row only."""
+    names = tuple(part for part in item["loc"] if not isinstance(part, int))
+    return names, item["type"], item["msg"] if item["type"] == "value_error" else ""
+
+
+def shown(value: object) -> str:
+    """A value as a line shows it."""
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
 
 
 def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
-    names, owner = _walk(item["loc"], model)
+    names, owner, others = _walk(item["loc"], model)
     key = ".".join(names) or "file"
     kind, context, got = item["type"], item.get("ctx", {}), item["input"]
     if kind == "extra_forbidden":
-        return unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+        line = unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+        whose = [str(_tag(other)) for other in others if names[-1] in other.model_fields]
+        return f"{line}; it is a key of {', '.join(whose)}" if whose else line
+    if kind in ("too_long", "too_short"):
+        bounds = {"List": f"at {'most' if kind == 'too_long' else 'least'} ", "Tuple": ""}
+        size = context.get("max_length", context.get("min_length"))
+        return f"{key}: expected {bounds.get(context['field_type'], '')}{size} values; got {context['actual_length']}"
+    if kind == "missing" and isinstance(item["loc"][-1], int):
+        return f"{key.rpartition('[')[0]}: expected more values; got {len(got)}"
     if kind == "missing":
         return f"{key}: expected a value; got nothing"
     if kind == "union_tag_not_found":
@@ -35,18 +70,21 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
         return unknown(f"{key}.{context['discriminator'].strip(chr(39))}", context["tag"], choices)
     if kind == "literal_error":
         choices = [c.strip("' ") for c in context["expected"].replace(" or ", ",").split(",")]
-        return unknown(key, str(got), choices)
+        return unknown(key, str(got)[:LONGEST], choices)
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
-        return f"{key}: expected {words} {context[bound]:g}; got {got!r}"
+        return f"{key}: expected {words} {context[bound]:g}; got {shown(got)}"
     if kind == "value_error":
         return f"{key}: {context['error']}"
     text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-    return f"{key}: expected {text}; got {got!r}"
+    return f"{key}: expected {text}; got {shown(got)}"
 
 
-def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
-    """Key names without the tags of unions, and the model that owns the last of them."""
+def _walk(
+    location: tuple[int | str, ...], model: type[BaseModel]
+) -> tuple[list[str], type[BaseModel] | None, list[type[BaseModel]]]:
+    """Key names without the tags of unions, the model that owns the last of them, and the others of its union."""
+    others: list[type[BaseModel]] = []
     names: list[str] = []
     owner: type[BaseModel] | None = model
     here: list[type[BaseModel]] = [model]
@@ -56,19 +94,25 @@ def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list
             continue
         tagged = [m for m in here if len(here) > 1 and _tag(m) == part]
         if tagged:
-            here = owner_models = tagged
-            owner = owner_models[0]
+            others = [m for m in here if m not in tagged]
+            here = tagged
+            owner = here[0]
             continue
+        if not here or owner is not here[0]:
+            others = []
         owner = here[0] if here else None
         names.append(part)
         field = owner.model_fields.get(part) if owner else None
         here = _models(field.annotation) if field else []
-    return names, owner
+    return names, owner, others
 
 
 def _tag(model: type[BaseModel]) -> str | None:
-    kind = model.model_fields.get("kind")
-    return get_args(kind.annotation)[0] if kind and get_args(kind.annotation) else None
+    for name in TAGS:
+        field = model.model_fields.get(name)
+        if field and get_origin(field.annotation) is Literal:
+            return str(get_args(field.annotation)[0])
+    return None
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

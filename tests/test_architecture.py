@@ -1,4 +1,4 @@
-"""The arrows between the rooms point one way, and some words are spoken in one room only (DESIGN sections 1 and 8)."""
+"""Imports between rooms point one way, and some modules are imported in one room only (docs/design.md, section 1)."""
 
 import ast
 import tomllib
@@ -34,6 +34,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"arrays", "errors", "units", "unicycle"},
         {"pattern", "validation"},
         {"shapes", "schema", "metrics"},
+        {"links"},
         {"formation_spec", "faults", "disturbances", "paths"},
         {"offsets"},
         {"orientation"},
@@ -41,7 +42,8 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"fields", "lifetime", "throttled_log", "run_folder"},
+        {"messages"},
         {"topics"},
         {"codec", "control", "link"},
         {"bus", "reference"},
@@ -58,7 +60,8 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "trace", "rate", "states"},
+        {"bodies", "faults", "convergence", "states"},
+        {"trace", "rate"},
         {"world"},
         {"presence"},
         {"run_control"},

@@ -164,13 +164,14 @@ class AgentPresence:
         self._connected = up
         earliest = now if self._doubt is None else max(now, self._doubt[0])
         self._doubt = earliest, now + RETURN_SECONDS
-        self._world.event("run", "router is back" if up else "router lost: holding")
+        text, severity = ("router is back", "info") if up else ("router lost: holding", "warning")
+        self._world.event("run", text, severity)
 
     def stood_still(self, now: float, seconds: float) -> None:
         """The world itself, and perhaps everybody, did not run for some time [s]."""
         self._doubt = now + RETURN_SECONDS, now + RETURN_SECONDS  # tokens disappear only after it
         if seconds >= NOTED_SECONDS:
-            self._world.event("run", f"the world stood still for {seconds:.1f} s: going on")
+            self._world.event("run", f"the world stood still for {seconds:.1f} s: going on", "warning")
 
     def settle(self, now: float) -> None:
         """Count agents that have been missing for long enough as lost."""
@@ -197,4 +198,5 @@ class AgentPresence:
         if robot not in world.robots or live == (robot in world.live):
             return
         (world.live.add if live else world.live.discard)(robot)
-        world.event("agent", f"agent {robot} is here" if live else f"agent {robot} {why}")
+        text, severity = (f"agent {robot} is here", "info") if live else (f"agent {robot} {why}", "error")
+        world.event("agent", text, severity)

@@ -4,6 +4,7 @@ from typing import Any
 
 from formation.errors import ScenarioError, unknown
 from formation.faults import preset
+from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load, parse, shipped
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
@@ -16,8 +17,6 @@ from world.world import World
 
 BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step)
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
-_SHARED_KEYS = ("horizon", "prediction_interval", "plan_every", "age_plans")
-"""Keys of a controller that fit every controller."""
 
 
 class RunControl:
@@ -85,15 +84,15 @@ class RunControl:
                 world.change_fault(link, preset(name).model_dump(), seconds and world.now + seconds)
             case control.Clear(link=link):
                 world.clear_faults(link)
-            case control.UseScenario(scenario=name, settings=settings):
+            case control.UseScenario(scenario=name, overrides=overrides):
                 if name not in shipped():  # a client may name a shipped scenario, but not a file of this machine
                     raise ScenarioError(unknown("scenario", name, shipped()))
-                self._use(load(name, settings))
+                self._use(load(name, overrides))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
                 self._roster.dismiss(robot, for_good=True)
-                world.event("run", f"agent {robot} is killed and kept down")
+                world.event("run", f"agent {robot} is killed and kept down", "warning")
             case control.Restart(robot=robot):
                 kept = self._roster.readmit(robot)
                 if not kept:
@@ -114,8 +113,7 @@ class RunControl:
     def _faults_since(self, known: int) -> dict[str, Any]:
         world = self._world
         tables = world.faults.since(known)
-        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
-        return {"episode": world.episode, "changes": world.faults.changes, "tables": told}
+        return {"episode": world.episode, "changes": world.faults.changes, "tables": tables}
 
     def _reset(self) -> None:
         self._world.reset()
@@ -137,5 +135,5 @@ def with_controller(scenario: Scenario, name: str) -> Scenario:
     """
     raw = scenario.model_dump(exclude_unset=True)
     before = raw.get("controller", {})
-    kept = {key: before[key] for key in _SHARED_KEYS if key in before}
+    kept = {key: before[key] for key in SHARED_KEYS if key in before}
     return parse({**raw, "controller": {**kept, "name": name}}, where="controller")

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
+from formation.links import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
+from world.convergence import Convergence
 
 
 class Trace:
@@ -74,12 +76,18 @@ class Trace:
         return distance, angle, tracking_error(poses, self._scenario.path.position(t))
 
     def summary(
-        self, counts: Mapping[str, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
+        self,
+        counts: Mapping[LinkId, LinkCounts],
+        convergence: Convergence,
+        events: Sequence[Event],
+        *,
+        warmup: float = 0.0,
     ) -> dict[str, Any]:
         """The summary of the episode so far (docs/design.md, section 8), without rounding.
 
         Args:
             counts: by link.
+            convergence: of the agents' solvers.
             events: in the order in which they happened.
             warmup: measures start at this simulated time [s].
         """
@@ -101,12 +109,13 @@ class Trace:
                 str(i + 1): {
                     "distance_error_m": _spread(distance[:, i]),
                     "angle_error_rad": _spread(angle[:, i]),
+                    "converged": convergence.share(i + 1),
                 }
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
             "links": {
-                link: {
+                str(link): {
                     "sent": c.sent,
                     "delivered": c.delivered,
                     "lost": c.lost,
@@ -114,12 +123,12 @@ class Trace:
                     "corrupt": c.corrupt,
                     "duplicated": c.duplicated,
                     "in_flight": c.in_flight,
-                    "age_s": _ages(ages[:, int(link.split("->")[1]) - 1]),
+                    "age_s": _ages(ages[:, link.receiver - 1]),
                 }
                 for link, c in counts.items()
             },
             "solve_s": {"median": _quantile(solves, 0.5), "p99": _quantile(solves, 0.99)},
-            "events": [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in events],
+            "events": [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in events],
         }
 
 

@@ -12,14 +12,15 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.metrics import pattern_errors, tracking_error
-from formation.pattern import upstream
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
 from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
-from world.bodies.unicycle import Plant
+from world.bodies.registry import bodies_for
+from world.convergence import Convergence
 from world.faults import FaultState
 from world.trace import Trace
 
@@ -56,17 +57,18 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.period is not None
-        self.plant = Plant(scenario)
+        self.plant = bodies_for(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)
         if self.trace:
             self.trace.start(self.plant.poses)
-        self.counts: dict[str, LinkCounts] = {}
+        self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
+        self.convergence = Convergence()
         self._reference: Reference = scenario.reference()
-        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, str(i), "world") for i in self.robots}
+        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, LinkId.commands_from(i)) for i in self.robots}
         self._newest: dict[int, Command] = {}
         self._fresh: dict[int, float] = dict.fromkeys(self.robots, 0.0)
         self._planned: list[int] = []
@@ -124,6 +126,9 @@ class World:
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
+        for robot, works in self.convergence.add(commands, now):
+            text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
+            self.event("agent", f"robot {robot}: its solver {text}", severity)
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
         self.k += 1
         self._tick = None
@@ -153,20 +158,21 @@ class World:
         stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
         if stale != (robot in self._held) and (command is not None or now > WATCHDOG):
             self._held ^= {robot}
-            self.event("watchdog", f"robot {robot} " + ("stopped: no fresh command" if stale else "moves again"))
+            text, severity = ("stopped: no fresh command", "error") if stale else ("moves again", "info")
+            self.event("watchdog", f"robot {robot} {text}", severity)
         return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
 
     def _apply_faults(self) -> None:
-        lines = self.faults.update(self.now)
-        for line in lines:
-            self.event("fault", line)
-        if lines:
+        changed = self.faults.update(self.now)
+        for link, fault in changed:
+            self.event("fault", f"{link}: {fault.words()}", "info" if fault == PERFECT else "warning")
+        if changed:
             self.revision += 1
             self._set_link_faults()
 
     def _set_link_faults(self) -> None:
-        for robot, link in self._links.items():
-            link.fault = self.faults.table.get(f"{robot}->world", PERFECT)
+        for link in self._links.values():
+            link.fault = self.faults.table.get(link.id, PERFECT)
 
     # ------------------------------------------------------------------ operations of users
 
@@ -203,23 +209,21 @@ class World:
         self.faults.clear(link, self.now)
         self._apply_faults()
 
-    def impose_faults(self, table: Mapping[str, Fault]) -> None:
+    def impose_faults(self, table: Mapping[LinkId, Fault]) -> None:
         """Use exactly these faults from the next tick on: this world repeats another's."""
         self.faults.impose(table)
         self._apply_faults()
 
-    def event(self, kind: Any, text: str) -> None:
+    def event(self, kind: Any, text: str, severity: Any = "info") -> None:
         """Add an event to the log."""
         self._event_count += 1
-        self.events.append(Event(self._event_count, self.now, kind, text))
+        self.events.append(Event(self._event_count, self.now, kind, text, severity))
 
     def hear(self, status: Status) -> None:
         """Take an agent's Status."""
         if status.episode == self.episode and status.sender in self.robots:
             self.statuses[status.sender] = status
-            if (
-                status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}"
-            ):  # a peer may send anything
+            if status.link == LinkId.plans_to(status.sender, self.scenario.size):  # a peer may send anything
                 self.counts[status.link] = status.counts
 
     def setup(self) -> Setup:
@@ -232,16 +236,15 @@ class World:
             revision=self.revision,
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
-            faults=self._plain_faults(),
+            faults=dict(self.faults.table),
         )
-
-    def _plain_faults(self) -> dict[str, dict[str, Any]]:
-        return {link: fault.plain() for link, fault in self.faults.table.items()}
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The summary of the episode so far; empty for an endless one."""
         links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
-        return self.trace.summary(links, self._events_of_episode(), warmup=warmup) if self.trace else {}
+        return (
+            self.trace.summary(links, self.convergence, self._events_of_episode(), warmup=warmup) if self.trace else {}
+        )
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]
@@ -289,7 +292,7 @@ class World:
             tracking_error=float(tracking_error(poses, centre[:2])),
             live=sorted(self.live),
             stopped=sorted(self._held),
-            faults=self._plain_faults(),
+            faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
         )

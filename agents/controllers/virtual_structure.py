@@ -1,20 +1,22 @@
 """Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and uses no message.
 
 After Lewis and Tan (1997) and Ren and Beard (2004), without formation feedback. For a comparison with `nash` that is
-about messages only, it is the same receding horizon over the same exact unicycle, limits and reference, with the
-weights that `nash` puts on the centre; solved to convergence (agents/kernels/team_game.py for a team of one).
+about messages only, it is the same receding horizon over the same exact unicycle, limits and reference, solved to
+convergence as a team of one robot. Its weights are those that `nash` puts on the centre, which is more than `nash` puts
+on a robot's own slot error (docs/theory.md, section 7).
 """
 
 import math
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.nash import weights
 from agents.controllers.pair import Pair
-from agents.kernels.team_game import optimise
+from agents.kernels.lq import optimise
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
+from formation.scenario.controllers import VirtualStructureOptions
 from formation.scenario.scenario import Scenario
 
 STEPS = 20
@@ -26,7 +28,7 @@ class VirtualStructure:
     """The controller of one robot."""
 
     def __init__(self, scenario: Scenario, pair: Pair) -> None:
-        own = scenario.controller
+        own = options_of(scenario, VirtualStructureOptions)
         self._pair = pair
         q, r = weights(scenario)
         self._r = np.array(own.r or r, dtype=float)

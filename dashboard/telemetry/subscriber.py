@@ -8,17 +8,14 @@ import json
 import threading
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from time import monotonic
-from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
-from formation.faults import Fault
 from formation.formation_spec import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
@@ -61,9 +58,9 @@ class Snapshot:
 class TelemetrySubscriber:
     """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
-    def __init__(self, session: Bus) -> None:
+    def __init__(self, bus: Bus) -> None:
         """Subscribe; `start` then begins to receive."""
-        self._session = session
+        self._bus = bus
         self._lock = threading.Lock()
         self._states: tuple[tuple[float, State], ...] = ()
         self._statuses: dict[int, Status] = {}
@@ -73,11 +70,11 @@ class TelemetrySubscriber:
         self._asked_at = 0.0
         self._over = False
         self._thread = threading.Thread(target=self._listen, name="telemetry", daemon=True)
-        run = session.run
-        session.subscribe(topics.state(run))
-        self._waiting = session.keep(topics.status(run, "*"), WAITING_STATUSES)
-        session.subscribe(topics.ghost(run))
-        session.appear("dashboard")
+        run = bus.run
+        bus.subscribe(topics.state(run))
+        self._waiting = bus.keep(topics.status(run, "*"), WAITING_STATUSES)
+        bus.subscribe(topics.ghost(run))
+        bus.appear("dashboard")
 
     def start(self) -> None:
         """Begin to receive."""
@@ -86,7 +83,7 @@ class TelemetrySubscriber:
     def stop(self) -> None:
         """Receive no more."""
         self._over = True
-        self._session.wake()
+        self._bus.wake()
         self._thread.join(1.0)
 
     def snapshot(self) -> Snapshot:
@@ -110,7 +107,7 @@ class TelemetrySubscriber:
             stamp=stamp,
             ghosts=ghosts,
             world_alive=bool(states) and now - states[-1][0] < topics.STATE.stale,
-            connected=self._session.connected,
+            connected=self._bus.connected,
         )
 
     # ------------------------------------------------------------------ the scenario
@@ -126,7 +123,7 @@ class TelemetrySubscriber:
             return
         self._asked_at = now
         try:
-            setup = self._session.setup()
+            setup = self._bus.setup()
             if setup is None:
                 return
             scenario = parse(json.loads(setup.scenario), where="the world's scenario")
@@ -140,7 +137,7 @@ class TelemetrySubscriber:
 
     def _listen(self) -> None:
         while not self._over:
-            for item in self._session.arrivals(0.5):
+            for item in self._bus.arrivals(0.5):
                 if isinstance(item, Sample):
                     self._take(item)
 
@@ -168,10 +165,10 @@ class TelemetrySubscriber:
 
 
 def _checked(state: State) -> State:
-    """The state, with every fault's values as numbers, also where a peer sent "30%".
+    """The state, if its parts fit each other.
 
     Raises:
-        WireError: lengths of arrays differ, a robot does not exist, or a fault is not valid.
+        WireError: lengths of arrays differ, or a robot does not exist.
     """
     n = len(state.poses)
     if n > MAX_ROBOTS:
@@ -182,16 +179,7 @@ def _checked(state: State) -> State:
         for robot in getattr(state, name):
             if not 1 <= robot <= n:
                 raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
-    return replace(state, faults={link: _fault(link, given) for link, given in state.faults.items()})
-
-
-def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    try:
-        return Fault.model_validate(given).plain()
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
+    return state
 
 
 def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:

@@ -14,7 +14,8 @@ from experiments.errata.evidence import Case, Figures
 from experiments.errata.ring_map import Ring, Wording
 from formation.arrays import FloatArray
 from formation.metrics import error_state, wrapped
-from formation.paths.kinds import Circle, Corner, Figure8, Spiral, heading
+from formation.paths.kinds import Circle, Corner, Figure8, Spiral
+from formation.paths.path import heading
 from formation.pattern import pattern, rotate
 from formation.scenario.files import load
 from formation.shapes import line, polygon

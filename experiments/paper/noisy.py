@@ -1,4 +1,4 @@
-"""What late and lost plans cost where predictions are not perfect (THEORY section 5)."""
+"""What late and lost plans cost where predictions are not perfect (docs/theory.md, section 10)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from formation.arrays import FloatArray
 NOISE = ("noise.slip=0.2", "noise.gyro=0.2", "noise.position=0.001", "noise.heading=0.01")
 """Per tick v and omega times 1 + 0.2 n, omega plus 0.2 n rad/s; poses measured to 1 mm and 0.01 rad."""
 FLIGHT = ("duration=40", "controller.plan_every=5", "controller.name=nash")
-"""A new plan every 0.05 s, as in the table of THEORY section 5."""
+"""A new plan every 0.05 s (docs/theory.md, section 10)."""
 
 
 @dataclass(frozen=True, slots=True)

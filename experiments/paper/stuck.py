@@ -1,4 +1,4 @@
-"""A robot that stands still for four seconds: what each controller makes of it (THEORY section 6)."""
+"""A robot that stands still for four seconds: what each controller makes of it (docs/theory.md, section 6)."""
 
 from collections.abc import Mapping, Sequence
 

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import model_validator
 
 from formation.arrays import FloatArray
+from formation.links import LinkId
 from formation.metrics import clearance
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
@@ -58,7 +59,7 @@ class Record:
     """(T,) distance of the robots' mean position to the path's point [m]."""
     ages: FloatArray
     """(T - 1, n) age of the plan that each robot acted on; NaN while there was none [s]."""
-    counts: Mapping[str, LinkCounts]
+    counts: Mapping[LinkId, LinkCounts]
     """By link, of the whole flight."""
     level: FloatArray
     """(T,) the level of an `Event`, or |l_e| of the worst robot without one [m]."""
@@ -66,7 +67,7 @@ class Record:
 
 
 def record(
-    scenario: Scenario, trace: Trace, counts: Mapping[str, LinkCounts], warmup: float, event: Event | None
+    scenario: Scenario, trace: Trace, counts: Mapping[LinkId, LinkCounts], warmup: float, event: Event | None
 ) -> Record:
     """The part of a flight that is measured.
 

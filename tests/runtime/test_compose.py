@@ -7,60 +7,35 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from formation.scenario.files import load, shipped
+from formation.scenario.overrides import Overrides, from_json
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
 from runtime.process_list import Plan, Program, programs
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
-LINE = re.compile(r"( *)([\w.-]+):(?: &\w+)?(?: (.*))?")
-ITEM = re.compile(r" +- (\S.*)")
+
+
+class Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+    """Refuses a key that stands twice in one map, as compose does and PyYAML does not."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        own = [key.value for key, _ in node.value if key.value != "<<"]
+        assert len(own) == len(set(own)), f"twice in one map: {own}"
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The little of YAML that our compose files use: nested keys, JSON or bare values, lists, and one anchor."""
-    root: dict[str, Any] = {}
-    open_maps: list[tuple[int, dict[str, Any]]] = [(-1, root)]
-    shared: dict[str, Any] = {}
-    holder, key = root, ""
-    for line in text.splitlines():
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        if line.strip() == "<<: *service":
-            open_maps[-1][1].update(shared)
-        elif item := ITEM.fullmatch(line):
-            if not isinstance(holder[key], list):
-                holder[key] = []
-                open_maps.pop()
-            holder[key].append(value_of(item[1]))
-        else:
-            match = LINE.fullmatch(line)
-            assert match is not None, line
-            indent, key, text_value = len(match[1]), match[2], match[3]
-            while open_maps[-1][0] >= indent:
-                open_maps.pop()
-            holder = open_maps[-1][1]
-            assert key not in holder or holder[key] == shared.get(key), f"twice: {line}"
-            if text_value is None:
-                holder[key] = {}
-                open_maps.append((indent, holder[key]))
-                if "&service" in line:
-                    shared = holder[key]
-            else:
-                holder[key] = value_of(text_value)
-    return root
+    """The file as compose reads it."""
+    found: dict[str, Any] = yaml.load(text, Loader)
+    return found
 
 
-def value_of(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError:
-        return text[1:-1].split(", ") if text.startswith("[") else text
-
-
-def services(scenario: str = SCENARIO, settings: Sequence[str] = ()) -> dict[str, Any]:
-    found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, settings), settings))["services"]
+def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
+    found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, overrides or {}), overrides))["services"]
     return found
 
 
@@ -78,26 +53,10 @@ def without(arguments: Sequence[str], *flags: str) -> list[str]:
     return left
 
 
-def test_the_parser_reads_what_is_there() -> None:
-    text = """\
-x: &service
-  a: [B]
-  n: [f]
-
-services:
-  one:
-    <<: *service
-    c: ["p", "1"]
-    h:
-      t: 5s
-    p:
-      - "q"
-      - "r"
-    e: no
-"""
-    assert parsed(text)["services"] == {
-        "one": {"a": ["B"], "n": ["f"], "c": ["p", "1"], "h": {"t": "5s"}, "p": ["q", "r"], "e": "no"}
-    }
+def test_a_key_that_stands_twice_is_found() -> None:
+    assert parsed("x: &s {a: 1}\ny: {<<: *s, b: 2}") == {"x": {"a": 1}, "y": {"a": 1, "b": 2}}
+    with pytest.raises(AssertionError, match="twice"):
+        parsed("x: {a: 1, a: 2}")
 
 
 def test_the_file_is_what_the_generator_gives() -> None:
@@ -108,17 +67,18 @@ def test_the_file_is_what_the_generator_gives() -> None:
 def test_one_service_per_program(scenario: str) -> None:
     expected = {
         service_name(program): ["python", "-m", program.module, *program.arguments]
-        for program in programs(plan(scenario, ()), load(scenario))
+        for program in programs(plan(scenario, {}), load(scenario))
     }
     assert {name: service["command"] for name, service in services(scenario).items()} == expected
 
 
-def test_settings_reach_the_world_and_the_number_of_robots() -> None:
-    settings = ["formation.robots=5", 'controller.name="paper"']
-    found = services("ring-16", settings)
+def test_overrides_reach_the_world_and_the_number_of_robots() -> None:
+    overrides = {"formation": {"robots": 5}, "controller": {"name": "paper"}, "source": 'it\'s a "test" of $HOME'}
+    found = services("ring-16", overrides)
     assert [name for name in found if name.startswith("agent-")] == [f"agent-{i}" for i in (1, 2, 3, 4, 5)]
     command = found["world"]["command"]
-    assert [command[i + 1] for i, word in enumerate(command) if word == "--set"] == settings
+    text = command[command.index("--overrides") + 1].replace("$$", "$")  # as compose reads it
+    assert from_json(text) == overrides
 
 
 def test_the_same_processes_as_the_launcher_starts() -> None:
@@ -164,7 +124,7 @@ def test_no_service_can_do_more_than_it_must() -> None:
 
 
 def test_every_service_is_checked_as_what_it_is() -> None:
-    for program in programs(plan(SCENARIO, ()), load(SCENARIO)):
+    for program in programs(plan(SCENARIO, {}), load(SCENARIO)):
         check = services()[service_name(program)]["healthcheck"]
         where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
         who = ["--role", program.role, "--id", str(program.number)]
@@ -179,7 +139,7 @@ def test_one_service_builds_the_image_that_all_use() -> None:
 
 
 def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() -> None:
-    """A kernel's cache goes by its source's path: compiled from the copied folders, no container would find it."""
+    """Kernels are compiled from the packages that containers run, not from the copied folders."""
     lines = (ROOT / "Dockerfile").read_text().splitlines()
     copied = {line.split()[1] for line in lines if re.fullmatch(r"COPY (\S+) \1", line)}
     packages = re.search(r"^packages = (\[.*\])$", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)

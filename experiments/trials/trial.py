@@ -96,7 +96,7 @@ def simulate(order: Trial) -> TrialResult:
         trace.times,
         trace.poses,
         trace.inputs,
-        task.path.position(trace.times),
+        task.reference().centre(trace.times),
         distance,
         angle,
         tracking,

@@ -88,7 +88,7 @@ class Estimator(Protocol):
         ...
 
     def odometry(self) -> FloatArray:
-        """(H, 3) what `Plan.odometry` carries."""
+        """(H, 4) what `Plan.odometry` carries."""
         ...
 
     def measurements(self) -> FloatArray:
@@ -134,6 +134,7 @@ class WindowEstimator:
         slots = pair.block(0)[0].slots[0, : self.blocks]
         self.window: Window = start(slots, np.tile(near if placed else (FAR, TURNED), (self.blocks, 1)))
         self._knows = placed and body.age > 0
+        self._rolled = False
         self._speed = STILL
         self._heard: tuple[int, Heard] | None = None
         self._silent = Heard(False, 0.0, 1.0, np.zeros((1, 2)), STILL, STILL)
@@ -142,7 +143,12 @@ class WindowEstimator:
         self._speed = speed
 
     def roll(self, k: int, speed: FloatArray) -> None:
-        self._motors.observe(k - 1, self._speed, speed)
+        if self._rolled:
+            self._motors.observe(k - 1, self._speed, speed)
+        elif k > 1:  # the agent begins in the middle of an episode
+            self._knows = False
+            self.window.sums[0, 2] = k - 1
+        self._rolled = True
         self._speed = speed
         window, row, v, omega = self.window, (k - 1) % LENGTH, speed[0], speed[1]
         window.odometry[0, row, 0], window.odometry[0, row, 1] = v, omega
@@ -172,7 +178,13 @@ class WindowEstimator:
         window = self.window
         self._knows = True
         window.base_tick[0] = window.newest[0] = tick
+        table = self._pair.table(tick)
+        window.base_mean[:, :3] = table.slots[tick - table.first, : self.blocks]
         window.base_mean[0, :3] = pose
+        if tick > 0:  # the neighbours may be anywhere
+            for h in range(1, self.blocks):
+                for axis, sigma in enumerate((FAR, FAR, TURNED)):
+                    window.base_cov[6 * h + axis, 6 * h + axis] = sigma**2
         for axis, variance in enumerate((self._tuning.var_position,) * 2 + (self._tuning.var_heading,)):
             window.base_cov[axis, axis] = variance
 
@@ -219,12 +231,12 @@ class WindowEstimator:
             hear(self.window, plan.odometry, plan.measurements, self._dt)
 
     def odometry(self) -> FloatArray:
-        """(H, 3) what `Plan.odometry` carries."""
+        """(H, 4) what `Plan.odometry` carries."""
         hops = self.blocks - 1
         if hops < 1:
             return NO_SUMS
         window = self.window
-        return np.column_stack([window.sums[:hops], window.until[:hops]])
+        return np.column_stack([window.sums[:hops, :2], window.until[:hops], window.sums[:hops, 2]])
 
     def measurements(self) -> FloatArray:
         """(m, 9) what `Plan.measurements` carries."""

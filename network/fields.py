@@ -63,8 +63,8 @@ MaybePoses = Annotated[FloatArray, PlainValidator(ArrayOf(3, empty=True))]
 """(n or 0, 3) [m, m, rad]."""
 Places = Annotated[FloatArray, PlainValidator(ArrayOf(2, empty=True))]
 """(n or 0, 2) [m, m]."""
-Sums = Annotated[FloatArray, PlainValidator(ArrayOf(3, empty=True))]
-"""(hops, 3) integrals of v and omega [m, rad] and the ticks in them."""
+Sums = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
+"""(hops, 4) integrals of v and omega [m, rad], the tick before which they end, and that at which they began."""
 Measurements = Annotated[FloatArray, PlainValidator(ArrayOf(9, empty=True))]
 """(m, 9) hop, tick, 1 if localised, x, y, theta, 1 if related, x, y."""
 News = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]

@@ -46,7 +46,7 @@ Mode = Literal["lockstep", "realtime"]
 
 
 STILL: FloatArray = frozen(np.zeros(2))
-NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 3))
+NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
 NO_MEASUREMENTS, NO_NEWS = (frozen(np.zeros((0, columns))) for columns in (9, 4))
 """Nothing, of each shape."""
 
@@ -76,6 +76,8 @@ class Tick:
     """(n, 2) position of the upstream neighbour in the own frame; no rows without relative sensing."""
     last: Flag = False
     """Whether this is the last tick of the episode."""
+    gone: list[Sender] = field(default_factory=list)
+    """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
     __pydantic_config__ = STRICT
 
 
@@ -109,7 +111,7 @@ class Plan:
     disturbance: Velocity = field(default_factory=lambda: STILL)
     """What it estimates to disturb its v and omega [m/s, rad/s]."""
     odometry: Sums = field(default_factory=lambda: NO_SUMS)
-    """Since the start: of the sender, then of the robots upstream of it that it passes on."""
+    """Since its agent began: of the sender, then of the robots upstream of it that it passes on."""
     measurements: Measurements = field(default_factory=lambda: NO_MEASUREMENTS)
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
     news: News = field(default_factory=lambda: NO_NEWS)

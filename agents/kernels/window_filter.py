@@ -102,19 +102,21 @@ def hear(w: Window, odometry: FloatArray, rows: FloatArray, dt: float) -> None:
 
     Args:
         w: changed.
-        odometry: (H, 3) integrals of v and omega since the start [m, rad] and the ticks in them, of the sender and of
-            those upstream that it passes on.
+        odometry: (H, 4) integrals of v and omega [m, rad], the tick before which they end, and that at which they
+            began: of the sender and of those upstream that it passes on.
         rows: (m, COLUMNS) measurements.
         dt: [s].
     """
     for h in range(1, min(len(w.until), len(odometry) + 1)):
         until, known = w.until[h], int(odometry[h - 1, 2])
-        if known > until:
+        anew = odometry[h - 1, 3] != w.sums[h, 2]  # the robot's agent has begun anew, or ours has
+        if known > until and not anew:
             v = (odometry[h - 1, 0] - w.sums[h, 0]) / ((known - until) * dt)
             omega = (odometry[h - 1, 1] - w.sums[h, 1]) / ((known - until) * dt)
             for t in range(max(until, known - LENGTH), known):
                 w.odometry[h, t % LENGTH, 0], w.odometry[h, t % LENGTH, 1] = v, omega
-            w.sums[h, 0], w.sums[h, 1] = odometry[h - 1, 0], odometry[h - 1, 1]
+        if known > until:
+            w.sums[h, 0], w.sums[h, 1], w.sums[h, 2] = odometry[h - 1, 0], odometry[h - 1, 1], odometry[h - 1, 3]
             w.until[h] = known
     for i in range(len(rows)):
         h, t = int(rows[i, 0]) + 1, int(rows[i, 1])

@@ -61,7 +61,7 @@ class Window(NamedTuple):
     until: IntArray
     """(W,) odometry of each block is known before this tick; that of the own one before now."""
     sums: FloatArray
-    """(W, 2) integrals of each block's odometry up to `until` [m, rad]."""
+    """(W, 3) integrals of each block's odometry up to `until` [m, rad], and the tick from which on."""
     localised: FloatArray
     """(W, LENGTH, 3) [m, m, rad]."""
     localised_at: IntArray
@@ -140,7 +140,7 @@ def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> Window:
         core.rejected.copy(),
         np.zeros((w, LENGTH, 2)),
         np.full(w, tick, dtype=np.int64),
-        np.zeros((w, 2)),
+        np.zeros((w, 3)),
         np.zeros((w, LENGTH, 3)),
         none,
         np.zeros((w, LENGTH, 2)),

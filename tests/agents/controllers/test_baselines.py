@@ -33,6 +33,7 @@ from network.control import UseController, UseScenario
 from runtime.compose import compose_file
 from runtime.inprocess import Simulation, simulate
 from runtime.launcher import LiveRun
+from tests import builders
 from world.run_control import RunControl
 from world.world import World
 

@@ -79,7 +79,7 @@ def test_under_another_controller_the_ghost_meets_the_same_faults_and_moves_diff
 
 
 def test_the_live_controller_keeps_its_weights_as_a_ghost() -> None:
-    scenario = load("triangle-circle", ["controller.q=[9, 9, 1, 50, 50, 1]"])
+    scenario = load("triangle-circle", ["controller.own_weight=20"])
     live = Simulation(scenario, endless=True)
     tuned, plain = Shadow(scenario, "nash", 0), Shadow(with_controller(scenario, "nash"), "nash", 0)
     for _ in range(100):

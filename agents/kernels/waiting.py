@@ -135,7 +135,7 @@ def merge(w: Wait, news: FloatArray) -> None:
 
 @kernel
 def ages(w: Wait, robot: int, stamp: float, dt: float) -> float:
-    """Age of the oldest news of any other robot [s], at least 0.02; who has been silent for longer than KNOWN is gone."""
+    """Age of the oldest news of any other robot [s], at least 0.02; who is silent for longer than KNOWN is gone."""
     oldest = 0.02
     for q in range(len(w.news)):
         old = (stamp - max(w.news[q, 2], 0.0)) * dt

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 COMMANDS = {
-    "up": "fly a formation live: start its processes and the dashboard",
-    "run": "fly without a page and print the figures",
-    "study": "fly a grid of flights, with statistics and figures",
+    "up": "run a formation live: start its processes and the dashboard",
+    "run": "run without a page and print the statistics",
+    "study": "simulate a grid of trials, with statistics and figures",
     "fault": "break and mend links of a live run",
-    "paper": "fly the tests of the paper again and write a report",
+    "paper": "simulate the tests of the paper again and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "tell how a live run is doing",
     "scenarios": "list the scenarios",

@@ -2,9 +2,13 @@
 
 import argparse
 import sys
+import tomllib
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
-from formation.errors import ScenarioError
+from experiments.trials.overrides import at_path, merged
+from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import files
 from formation.scenario.registry import NAMES
@@ -16,7 +20,7 @@ DEFAULT_SCENARIO = "triangle-circle"
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """What to fly, and how it differs from its file."""
+    """What to simulate, and how it differs from its file."""
     parser.add_argument(
         "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
     )
@@ -26,6 +30,39 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
     )
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Where trials are simulated."""
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="simulate on the Dask cluster of this scheduler")
+
+
+def check_workers(options: argparse.Namespace) -> None:
+    """Refuse what makes no sense of `add_workers`. Raises EchelonError."""
+    if options.workers is not None and options.workers < 1:
+        raise EchelonError(f"--workers: expected at least 1; got {options.workers}")
+    if options.workers is not None and options.cluster is not None:
+        raise EchelonError("--workers: expected no number with --cluster; the cluster has its own")
+
+
+def nested(changes: Iterable[str]) -> dict[str, Any]:
+    """Overrides as nested data from KEY=VALUE; a value that is not TOML is text.
+
+    Raises:
+        ScenarioError: one is not KEY=VALUE.
+    """
+    found: dict[str, Any] = {}
+    for change in changes:
+        key, equals, text = change.partition("=")
+        if not equals or not key.strip():
+            raise ScenarioError(f"--set: expected key=value; got {change!r}")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except (tomllib.TOMLDecodeError, RecursionError):
+            value = text.strip()
+        found = merged(found, at_path(key, value))
+    return found
 
 
 def settings(options: argparse.Namespace) -> list[str]:
@@ -91,5 +128,5 @@ def session(options: argparse.Namespace) -> Session:
 
 
 def tell(line: str) -> None:
-    """A line for people, beside the results."""
+    """A line for the user, beside the results."""
     print(f"echelon: {line}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""`echelon run`: one flight from start to end, and its figures."""
+"""`echelon run`: one run from start to end, and its statistics."""
 
 import argparse
 import json
@@ -29,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fly and print the figures."""
+    """Simulate and print the statistics."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
     scenario, settings = load(options)

@@ -29,7 +29,7 @@ MEASURED_EVERY = 10
 SHOWN_RATES = 6
 """Growth rates that are looked at; the others belong to plans and vanish within a second."""
 LOST = 10.0
-"""Distance to the path [m] beyond which a flight is over."""
+"""Distance to the path [m] beyond which a simulation ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +169,7 @@ class Ring:
         return np.array(columns).T / (2.0 * h)
 
     def rates(self, seconds: float) -> FloatArray:
-        """Growth rates [1/s] of small deviations where the flight is after some seconds, the largest first."""
+        """Growth rates [1/s] of small deviations about the state after some seconds, the largest first."""
         state, every = self.start(), self.wording.every
         steps = round(seconds / TICK / every)
         for step in range(steps):

@@ -1,4 +1,4 @@
-"""One robot's mind: what it believes of its upstream neighbour, how it plans, and its process.
+"""One robot's agent: its estimate of the upstream neighbour, its controller, and its process.
 
 Run one with `python -m agents --id 1 --run NAME --connect ENDPOINT`.
 """

@@ -11,7 +11,7 @@ from network.zenoh_bus import Session
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Think until told to end."""
+    """Answer ticks until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m agents", description=__doc__)
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")

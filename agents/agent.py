@@ -1,4 +1,4 @@
-"""One robot's mind, without any I/O: plans and ticks in, a plan and a command out.
+"""One robot's agent, without any I/O: plans and ticks in, a plan and a command out.
 
 The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
 """
@@ -32,7 +32,7 @@ REMEMBERED_COMMANDS = 1024
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """What an agent says at a tick."""
+    """An agent's messages at a tick."""
 
     command: Command
     plan: Plan | None
@@ -40,17 +40,17 @@ class Answer:
 
 
 class Agent:
-    """The mind of one robot for one flight."""
+    """The agent of one robot for one episode."""
 
     def __init__(
         self, scenario: Scenario, robot: int, *, episode: int = 0, controller: Controller | None = None
     ) -> None:
-        """An agent at the start of a flight.
+        """An agent at the start of an episode.
 
         Args:
-            scenario: what is flown.
+            scenario: of the run.
             robot: its number, from 1.
-            episode: put into every message; plans with another one are not for this flight.
+            episode: put into every message; plans with another number are ignored.
             controller: instead of the scenario's own for this robot (agents/controllers/centralised.py).
         """
         self.robot, self.episode = robot, episode
@@ -74,19 +74,19 @@ class Agent:
         self._solves: list[float] = []
 
     def set_faults(self, faults: Mapping[str, Fault]) -> None:
-        """Which faults the links to this robot have from now on; a link that is not named is perfect."""
+        """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
         self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
         self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
 
     @property
     def heard(self) -> int:
-        """seq of the newest plan of the upstream neighbour that came in physically; -1 before the first."""
+        """seq of the newest plan of the upstream neighbour that reached the process; -1 before the first."""
         return self._heard
 
     def receive(self, plan: Plan) -> None:
-        """A plan of the upstream neighbour came in physically; now it enters the faulty link.
+        """Take a plan of the upstream neighbour that reached the process, and push it into the faulty link.
 
-        A plan of another flight, of somebody else, or one that was there before is ignored.
+        A plan of another episode, of another sender, or one that is not newer is ignored.
         """
         if plan.episode == self.episode and plan.sender == self.upstream and plan.seq > self._heard:
             self._heard = plan.seq
@@ -108,7 +108,7 @@ class Agent:
                 self._corrupt += 1
         age = self._belief.seconds_old(stamp)
         own = self._own_pose(k, stamp, pose)
-        if own is None:  # who does not know where it is does not move
+        if own is None:  # a robot that does not know its pose does not move
             return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
         plan = None
         solve = 0.0
@@ -126,14 +126,14 @@ class Agent:
                 self._pair.interval,
                 solution.inputs,
                 solution.lag,
-                solution.drift,
+                solution.lag_rate,
             )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
         return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
-        """How it is doing at tick k, which it has just answered; the arguments are what only its process knows."""
+        """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
         return Status(
@@ -154,7 +154,7 @@ class Agent:
         )
 
     def counts(self) -> LinkCounts:
-        """What became of the plans sent to this robot."""
+        """Counts of the plans sent to this robot."""
         counts = self._plans.counts
         return LinkCounts(
             sent=counts.sent,
@@ -182,7 +182,7 @@ class Agent:
         return float(inputs[j, 0]), float(inputs[j, 1])
 
     def _own_pose(self, k: int, stamp: float, measured: FloatArray) -> FloatArray | None:
-        """Where the robot is: the newest pose that came through, carried forward along the own commands."""
+        """The own pose: the newest measurement that was delivered, carried forward along the own commands."""
         if self._poses.transparent:
             self._pose = (k, measured)
             return measured

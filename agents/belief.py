@@ -1,8 +1,8 @@
-"""What a robot believes of its upstream neighbour: the newest plan that arrived, carried forward to now.
+"""The estimate of the upstream neighbour: the newest plan that arrived, carried forward to now.
 
 Received plans are time-stamped. `aged` rolls the sender's pose along its plan from the stamp to now and drops the
-inputs that have elapsed (THEORY section 5, step 1); late or lost messages then cost little. Past the plan's end, and
-before the first plan, the neighbour is believed to be in its slot.
+inputs that have elapsed (docs/theory.md, section 5); late or lost messages then cost little. Past the plan's end, and
+before the first plan, the neighbour is assumed to be in its slot.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ class Belief:
             self.plan = plan
 
     def seconds_old(self, now: float) -> float:
-        """Age of the plan [s]; since the start of the flight before the first."""
+        """Age of the plan [s]; before the first plan, the time since the start of the episode."""
         return max(0.0, now - self.plan.stamp) if self.plan else now
 
     def aged(self, now: float, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
@@ -51,7 +51,7 @@ class Belief:
         return NeighborEstimate(pose, inputs, plan)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
-        """The neighbour as its newest plan says, whatever the plan's age."""
+        """The neighbour as in its newest plan, whatever the plan's age."""
         plan = self.plan
         if plan is None or plan.inputs.shape != tail.shape:
             return NeighborEstimate(slot, tail, plan)

@@ -10,16 +10,16 @@ from network.control import Operation
 from network.messages import Request
 
 _ACTIONS = {
-    "start": "run, or go on",
-    "pause": "hold time",
-    "step": "pause, and run one tick or several",
-    "reset": "start the flight again",
+    "start": "start, or continue",
+    "pause": "stop simulated time",
+    "step": "pause, then run one tick or several",
+    "reset": "start a new episode",
     "speed": "simulated seconds per second; 0: as fast as possible",
-    "scenario": "fly another scenario",
-    "controller": "fly again with another controller",
+    "scenario": "switch to another scenario",
+    "controller": "start again with another controller",
     "kill": "kill a robot's agent, and keep it down",
     "restart": "start a robot's agent again",
-    "compare": "fly a ghost beside it: a controller on the same faults; off: no more",
+    "compare": "run a ghost beside it: another controller with the same faults; off: end it",
     "stop": "end the run and its processes",
 }
 
@@ -39,7 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Tell the world."""
+    """Send the operation to the world."""
     operation = _operation(options.action, getattr(options, "value", ""))
     with session(options) as live:
         ask(live, operation)

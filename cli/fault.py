@@ -1,4 +1,4 @@
-"""`echelon fault`: break and mend the links of a live run."""
+"""`echelon fault`: set and clear the faults of a live run's links."""
 
 import argparse
 import json
@@ -31,12 +31,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     change = actions.add_parser("set", help="change what a link does; keys not named stay as they are")
     for key, (value, text) in _KEYS.items():
         change.add_argument(f"--{key}", metavar=value, help=text)
-    change.add_argument("--cut", action="store_true", default=None, help="nothing passes")
+    change.add_argument("--cut", action="store_true", default=None, help="no message passes")
     change.add_argument("--mend", action="store_false", dest="cut", help="messages pass again")
     change.add_argument("--keep-order", action="store_true", default=None, help="messages do not overtake")
     preset = actions.add_parser("preset", help="give a link a named fault")
     preset.add_argument("name", help=", ".join(PRESETS))
-    clear = actions.add_parser("clear", help="take back what was set, and what the schedule has on now")
+    clear = actions.add_parser("clear", help="remove what was set, and end the scheduled faults that are active now")
     show = actions.add_parser("show", help="every link that is not healthy")
     show.add_argument("--json", action="store_true", help="print one JSON object")
     for action in (change, preset, clear):
@@ -48,7 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do it, or show what there is."""
+    """Send the operation, or show the faults in force."""
     changes: dict[str, Any] = {}
     if options.action == "set":
         given = {key: getattr(options, key) for key in (*_KEYS, "cut", "keep_order")}

@@ -1,4 +1,4 @@
-"""The console script: finds the command and runs it; a person's mistake is one line and exit code 2."""
+"""The console script: finds the command and runs it; a mistake of the user is one line and exit code 2."""
 
 import argparse
 import importlib
@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 COMMANDS = {
-    "up": "run a formation live: start its processes and the dashboard",
-    "run": "run without a page and print the statistics",
+    "up": "start a live run: its processes and the dashboard",
+    "run": "simulate a scenario without a page and print its measures",
     "study": "simulate a grid of trials, with statistics and figures",
-    "fault": "break and mend links of a live run",
-    "paper": "simulate the tests of the paper again and write a report",
+    "fault": "set and clear faults of a live run's links",
+    "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
-    "status": "tell how a live run is doing",
+    "status": "print the state of a live run",
     "scenarios": "list the scenarios",
     "compose": "print a compose file for a scenario",
     "doctor": "check what a run needs",
@@ -22,10 +22,10 @@ COMMANDS = {
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose complaint is one line."""
+    """A parser whose error message is one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and end with exit code 2."""
+        """Print what is wrong and exit with code 2."""
         print(f"{self.prog}: {message} ({self.prog} --help)", file=sys.stderr)
         sys.exit(2)
 
@@ -34,10 +34,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
 
     Returns:
-        0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command says.
+        0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = _Parser(prog="echelon", description="Formations of wheeled robots whose minds are separate processes.")
+    parser = _Parser(prog="echelon", description="Formations of wheeled robots with a controller process each.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")

@@ -20,7 +20,7 @@ DEFAULT_SCENARIO = "triangle-circle"
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """What to simulate, and how it differs from its file."""
+    """The scenario, and its differences from the file."""
     parser.add_argument(
         "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
     )
@@ -108,13 +108,13 @@ def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
 
 
 def source(options: argparse.Namespace) -> str:
-    """The scenario's name, or its file as every process finds it."""
+    """The scenario's name, or the absolute path of its file."""
     name: str = options.scenario
     return str(Path(name).resolve()) if name.endswith(".toml") or "/" in name else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Which live run to talk to."""
+    """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
     parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
 
@@ -128,5 +128,5 @@ def session(options: argparse.Namespace) -> Session:
 
 
 def tell(line: str) -> None:
-    """A line for the user, beside the results."""
+    """Print a line for the user on stderr, apart from the results."""
     print(f"echelon: {line}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""`echelon run`: one run from start to end, and its statistics."""
+"""`echelon run`: one episode from start to end, and its measures."""
 
 import argparse
 import json
@@ -29,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate and print the statistics."""
+    """Simulate and print the measures."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
     scenario, settings = load(options)
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
     ensure_compiled(tell)
-    from runtime import inprocess  # noqa: PLC0415  numba takes half a second to import, the other engine does without
+    from runtime import inprocess  # noqa: PLC0415  half a second, for numba; the other engine does not need it
 
     return inprocess.simulate(scenario, warmup=warmup, progress=report)
 

@@ -1,4 +1,4 @@
-"""`echelon scenarios`: what there is to fly."""
+"""`echelon scenarios`: the list of scenarios."""
 
 import argparse
 import json

@@ -1,4 +1,4 @@
-"""`echelon status`: how a live run is doing."""
+"""`echelon status`: the state of a live run."""
 
 import argparse
 import dataclasses

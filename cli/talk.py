@@ -1,4 +1,4 @@
-"""Talking with the world of a live run from a command."""
+"""Requests from a command to the world of a live run."""
 
 import contextlib
 
@@ -13,10 +13,10 @@ ANSWER_SECONDS = 3.0
 
 
 def ask(session: Session, operation: Operation) -> Reply:
-    """Have the world do something.
+    """Send an operation to the world.
 
     Raises:
-        EchelonError: it does not answer, or refuses; the text is its reason.
+        EchelonError: the world does not answer, or refuses with a reason.
     """
     reply = session.ask(operation, timeout=ANSWER_SECONDS)
     if reply is None:
@@ -27,14 +27,14 @@ def ask(session: Session, operation: Operation) -> Reply:
 
 
 def newest_state(session: Session) -> State:
-    """What the world says now.
+    """The newest State of the world.
 
     Raises:
-        EchelonError: it says nothing.
+        EchelonError: it publishes none.
     """
     session.subscribe(topics.state(session.run))
     for item in session.incoming(ANSWER_SECONDS):
         if isinstance(item, Sample):
-            with contextlib.suppress(WireError):  # somebody else's garbage
+            with contextlib.suppress(WireError):  # not a valid message
                 return decode(State, item.payload)
-    raise EchelonError(f"expected the world of run {session.run} to say how it is; it is silent")
+    raise EchelonError(f"expected the world of run {session.run} to publish its state; it is silent")

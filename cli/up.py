@@ -26,14 +26,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--token",
         help=f"for --host, 16 characters or more (default: ${access.TOKEN}, else a new one, which is printed)",
     )
-    parser.add_argument("--no-dashboard", action="store_true", help="do without the page")
+    parser.add_argument("--no-dashboard", action="store_true", help="start no dashboard")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
     parser.add_argument("--paused", action="store_true", help="wait for Start")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fly until told to stop."""
+    """Run until Ctrl-C or a stop request."""
     scenario, settings = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         endless=True,
         ghost=True,
     ) as live:
-        tell(f"flying {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         shown = 0
         try:
             while live.watch():

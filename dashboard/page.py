@@ -11,7 +11,7 @@ from dashboard.export.saving import Saving
 from dashboard.panels import tables
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.controls import offer
+from dashboard.panels.controls import set_options
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.matrix import matrix
 from dashboard.panels.notices import Notices
@@ -20,16 +20,16 @@ from dashboard.panels.requests import RequestQueue
 from dashboard.panels.run import RunPanel
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import LAYERS, Scene
+from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.history import History
-from dashboard.telemetry.links import LinkView, links
-from dashboard.telemetry.mishaps import Mishaps
-from dashboard.telemetry.recording import Recording
-from dashboard.telemetry.subscriber import Seen, TelemetrySubscriber
+from dashboard.telemetry.links import LinkView, ring_links
+from dashboard.telemetry.subscriber import Snapshot, TelemetrySubscriber
 from dashboard.theme.formatting import legend
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from dashboard.theme.stylesheet import sheet
 from network.lifetime import Lifetime
 from network.messages import State
+from network.throttled_log import ThrottledLog
 from network.zenoh_bus import Session
 
 FRAME = 1.0 / 30.0
@@ -49,29 +49,29 @@ class Page:
     def __init__(self, server: viser.ViserServer, session: Session) -> None:
         """Lay the page out."""
         self._server = server
-        self._feed = TelemetrySubscriber(session)
+        self._telemetry = TelemetrySubscriber(session)
         self._notices = Notices(server)
-        self._desk = RequestQueue(session, self._feed, self._notices.tell)
-        self._lives = AgentLifecycle(self._desk)
+        self._requests = RequestQueue(session, self._telemetry, self._notices.notify)
+        self._agent_lifecycle = AgentLifecycle(self._requests)
         self._history = History()
-        self._recording = Recording()
+        self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
         self._scene = Scene(server, self._focus_on, lambda sender: self._faults.choose("link", sender))
-        self._mishaps = Mishaps("drawing a frame")
+        self._errors = ThrottledLog()
         self._panel_at = self._plot_at = 0.0
         self._told: tuple[object, ...] = ()
         self._kept: tuple[State, bool] | None = None
         self._views: list[LinkView] = []
         self._palette = DARK
         self._turn = 0
-        self._dress()
+        self._apply_theme()
         gui = server.gui
         gui.add_html(sheet())
-        self._run = RunPanel(gui, self._desk)
-        self._faults = FaultPanel(gui, self._desk)
+        self._run = RunPanel(gui, self._requests)
+        self._faults = FaultPanel(gui, self._requests)
         self._add_view(gui)
-        self._saving = Saving(gui, session.run, self._recording, lambda: self._palette, self._notices.tell)
-        self._taps = Clickable(gui, self._tapped)
+        self._saving = Saving(gui, session.run, self._export_buffer, lambda: self._palette, self._notices.notify)
+        self._clickable = Clickable(gui, self._tapped)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(330)
         panel = gui.add_panel()
@@ -86,7 +86,7 @@ class Page:
         panel.dock_right()
         panel.set_width(400)
 
-    def _dress(self) -> None:
+    def _apply_theme(self) -> None:
         self._server.gui.configure_theme(
             dark_mode=self._palette.dark,
             show_logo=False,
@@ -124,9 +124,9 @@ class Page:
 
     def _choose_look(self, palette: Palette) -> None:
         self._palette = palette
-        self._dress()
+        self._apply_theme()
         for chart in self._charts:
-            chart.dress(palette)
+            chart.set_palette(palette)
 
     def _look_at(self, how: str, event: Any) -> None:
         self._look(how, event.client)
@@ -165,7 +165,7 @@ class Page:
         if verb == "focus":
             self._focus_on(event.client, number)
         elif verb in ("kill", "restart"):
-            self._lives.pressed(verb, number, event.client)
+            self._agent_lifecycle.pressed(verb, number, event.client)
         else:
             self._faults.choose(verb, number)
 
@@ -173,18 +173,18 @@ class Page:
 
     def serve(self, lifetime: Lifetime) -> None:
         """Keep the page up to date until told to end; a frame that cannot be drawn is passed over."""
-        self._feed.start()
-        self._desk.start()
+        self._telemetry.start()
+        self._requests.start()
         due, robots = monotonic(), 0
         while not lifetime.over:
             try:
                 robots = self._frame() if self._due else len(self._keep()[0].poses)
             except Exception:
-                self._mishaps.note()
+                self._errors.add_exception("drawing a frame")
             due = max(due + self._pause(robots), monotonic())
             sleep(max(0.0, due - monotonic()))
-        self._desk.stop()
-        self._feed.stop()
+        self._requests.stop()
+        self._telemetry.stop()
 
     @property
     def _watched(self) -> bool:
@@ -201,44 +201,47 @@ class Page:
             return UNWATCHED_PAUSE
         return CROWD_FRAME if robots > CROWD else FRAME
 
-    def _keep(self) -> tuple[Seen, list[LinkView]]:
+    def _keep(self) -> tuple[Snapshot, list[LinkView]]:
         """What is known now, put down for the plots and for taking away."""
-        seen = self._feed.seen()
-        state, known = seen.state, seen.scenario is not None
+        snapshot = self._telemetry.snapshot()
+        state, known = snapshot.state, snapshot.scenario is not None
         if state is not None and known:
-            self._history.ghost.follow(state, seen.ghosts)
+            self._history.ghost.update(state, snapshot.ghosts)
         if state is not None and self._kept != (state, known):
             self._kept = state, known
-            self._views = links(state, seen.statuses)
+            self._views = ring_links(state, snapshot.statuses)
             if known:
-                self._history.add(state, self._views, solves(seen))
-                self._recording.add(state, self._views, seen.statuses)
-        return seen, self._views
+                self._history.add(state, self._views, solves(snapshot))
+                self._export_buffer.add(state, self._views, snapshot.statuses)
+        return snapshot, self._views
 
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
-        seen, views = self._keep()
-        state, whole = seen.state, not self._watched
+        snapshot, views = self._keep()
+        state, whole = snapshot.state, not self._watched
         with self._server.atomic():
-            self._scene.dress(self._palette)
-            self._scene.draw(seen, views, self._history, whole=whole)
-            now, news = monotonic(), self._news(seen)
+            self._scene.set_palette(self._palette)
+            self._scene.draw(snapshot, views, self._history, whole=whole)
+            now, news = monotonic(), self._news(snapshot)
             panels = now - self._panel_at >= PANEL_INTERVAL or news != self._told
             if panels:
-                self._draw_panels(seen, views, whole=whole or news != self._told)
+                self._draw_panels(snapshot, views, whole=whole or news != self._told)
                 self._panel_at, self._told = now, news
             if whole or (not panels and now - self._plot_at >= PLOT_INTERVAL):
                 self._plot_at = now
                 series = self._history.series()
                 for chart in self._charts:
                     chart.draw(series, ghost=bool(state and state.compare))
-        if state is not None and seen.scenario is not None and len(seen.poses) == seen.scenario.size:
-            self._cameras.update(seen.scenario, seen.poses)
-        return len(seen.poses)
+        if state is not None and snapshot.scenario is not None and len(snapshot.poses) == snapshot.scenario.size:
+            self._cameras.update(snapshot.scenario, snapshot.poses)
+        return len(snapshot.poses)
 
-    def _news(self, seen: Seen) -> tuple[object, ...]:
+    def _news(self, snapshot: Snapshot) -> tuple[object, ...]:
         """What people see at once when it changes; the rest is drawn some times a second."""
-        state, about = seen.state, (seen.here, seen.connected, self._faults.target, self._scene.focus)
+        state, about = (
+            snapshot.state,
+            (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus),
+        )
         if state is None:
             return about
         newest = state.events[-1].number if state.events else 0
@@ -254,29 +257,31 @@ class Page:
             *state.live,
         )
 
-    def _draw_panels(self, seen: Seen, views: list[LinkView], *, whole: bool) -> None:
-        self._run.draw(seen, views, self._history)
-        n = len(seen.poses)
-        self._taps.offer({"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {})
-        self._matrix.content = matrix(seen, views, self._taps, self._faults.target)
+    def _draw_panels(self, snapshot: Snapshot, views: list[LinkView], *, whole: bool) -> None:
+        self._run.draw(snapshot, views, self._history)
+        n = len(snapshot.poses)
+        self._clickable.set_options(
+            {"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)} if n else {}
+        )
+        self._matrix.content = matrix(snapshot, views, self._clickable, self._faults.target)
         self._turn += 1
         if whole or self._turn % 2:  # the other tabs take turns: they are read rather than watched
-            self._robots.content = tables.robots(seen, views, self._taps)
+            self._robots.content = tables.robots(snapshot, views, self._clickable)
         if whole or not self._turn % 2:
-            self._log.content = tables.log(seen.state)
-        if seen.state is not None:
-            self._faults.draw(seen.state)
-            self._lives.draw(seen.state)
-            options = (NOBODY, *(f"Robot {i}" for i in range(1, len(seen.state.poses) + 1)))
-            offer(self._focus, options)
-        self._saving.note(seen)
-        self._notices.compare(seen, views)
+            self._log.content = tables.log(snapshot.state)
+        if snapshot.state is not None:
+            self._faults.draw(snapshot.state)
+            self._agent_lifecycle.draw(snapshot.state)
+            options = (NOBODY, *(f"Robot {i}" for i in range(1, len(snapshot.state.poses) + 1)))
+            set_options(self._focus, options)
+        self._saving.note(snapshot)
+        self._notices.compare(snapshot, views)
 
 
-def solves(seen: Seen) -> list[float]:
+def solves(snapshot: Snapshot) -> list[float]:
     """What a plan has cost each robot of late [s]."""
-    episode = seen.state.episode if seen.state is not None else None
-    return [status.solve for status in seen.statuses.values() if status.episode == episode]
+    episode = snapshot.state.episode if snapshot.state is not None else None
+    return [status.solve for status in snapshot.statuses.values() if status.episode == episode]
 
 
 def _logo(ink: str) -> str:

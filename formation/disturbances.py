@@ -1,4 +1,4 @@
-"""What holds a robot back or pushes it about: a scenario's own list, known to the plant and to no agent."""
+"""Disturbances of the bodies: a scenario's list of robots that are slowed or pushed, known to the plant only."""
 
 from collections.abc import Sequence
 from typing import Annotated
@@ -9,10 +9,10 @@ from formation.schema import Duration, Model, Probability
 
 
 class Disturbance(Model):
-    """For a while, a robot's wheels do less than they are told, or something carries it along."""
+    """For some time, a robot's wheels turn slower than commanded, or the robot is pushed."""
 
     robot: Annotated[int, Field(ge=1)]
-    """Its number."""
+    """Number of the robot, from 1."""
     at: Duration = 0.0
     """Simulated time at which it begins [s]."""
     until: Duration

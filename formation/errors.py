@@ -1,6 +1,6 @@
 """The exceptions of the project.
 
-EchelonError            a person's or a peer's mistake; its text is one line that says what to do
+EchelonError            a mistake of the user or of a peer; its text is one line that says what was expected
 ├── ScenarioError       the user's scenario file or an override of it
 ├── StudyError          the user's study file or an override of it
 ├── FaultError          a fault that does not make sense, or a link that does not exist
@@ -12,15 +12,15 @@ from collections.abc import Iterable
 
 
 class EchelonError(Exception):
-    """Anything that a caller may report to a person as one line."""
+    """A mistake that a caller may report to the user as one line."""
 
 
 class ScenarioError(EchelonError):
-    """A scenario that cannot be flown; one line per mistake."""
+    """A scenario that cannot be run; one line per mistake."""
 
 
 class StudyError(EchelonError):
-    """A study that cannot be flown; one line per mistake."""
+    """A study that cannot be run; one line per mistake."""
 
 
 class FaultError(EchelonError):

@@ -1,6 +1,6 @@
-"""What can be wrong with a link: the fault model's parameters, presets, link names.
+"""The fault model of a link: its parameters, presets, link names.
 
-How a fault acts on messages stands in network/link.py; who decides which fault is on stands in world/faults.py.
+network/link.py applies a fault to messages; world/faults.py decides which fault is active at which tick.
 """
 
 import re
@@ -39,14 +39,14 @@ class Fault(Model):
     corrupt: Probability = 0.0
     """Share of messages with flipped bytes."""
     cut: bool = False
-    """Nothing passes."""
+    """No message passes."""
 
     def plain(self) -> dict[str, Any]:
         """The keys that differ from a perfect link's."""
         return {key: value for key, value in self.model_dump().items() if value != Fault.model_fields[key].default}
 
     def words(self) -> str:
-        """In a few words for people."""
+        """A short description for the user."""
         if self.cut:
             return "cut"
         return ", ".join(_WORDS[key](value) for key, value in self.plain().items()) or "healthy"
@@ -138,7 +138,7 @@ def every_link(robots: int) -> list[str]:
 
 
 def links_named(name: str, robots: int) -> list[str]:
-    """The links that `name` stands for: itself, or the ring's for "all". Spaces and an arrow sign are forgiven.
+    """The links that `name` stands for: itself, or the ring's for "all". Spaces and the sign → are accepted.
 
     Raises:
         FaultError: there is no such link; the text lists them.

@@ -56,7 +56,7 @@ class Shape(Model):
 
 
 class Change(Shape):
-    """The formation takes another shape, or spacing, while it flies (patterns vary with time: section 2.1)."""
+    """The formation takes another shape or spacing during the episode (time-varying patterns: section 2.1)."""
 
     at: Duration
     """Simulated time at which it begins [s]."""
@@ -64,16 +64,16 @@ class Change(Shape):
     """How long it takes [s]; if absent, so long that no slot moves faster within the formation than half the
     speed of the path (formation/offsets.py)."""
     reassign: bool = True
-    """Every robot takes the slot that makes the sum of squared ways least; else row i is robot i's."""
+    """Assign the slots so that the sum of squared distances is least; else row i is robot i's."""
 
 
 class Formation(Shape):
-    """The shape at the start, which way it faces, and what becomes of it."""
+    """The shape at the start, its orientation, and its changes."""
 
     orientation: Literal["path", "fixed", "limited"] = "path"
     """Along the path, always the same, or along the path but turning at a limited rate."""
     heading: FiniteFloat = 0.0
-    """Which way a fixed formation faces [rad]."""
+    """Heading of a formation with orientation `fixed` [rad]."""
     turn_rate: Positive | None = None
     """How fast a limited formation turns [rad/s]; if absent, so fast that its rotation moves no slot faster than
     a small share of the path's speed (formation/orientation.py)."""

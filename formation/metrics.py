@@ -1,7 +1,4 @@
-"""How far a formation is from what it should be: pattern errors, tracking error, the paper's error state.
-
-Also the statistics that every room takes of such signals.
-"""
+"""Errors of a formation: pattern errors, tracking error, the paper's error state; RMS and quantiles of any signal."""
 
 import math
 from typing import overload
@@ -55,7 +52,7 @@ def pattern_errors(poses: FloatArray, slots: FloatArray) -> tuple[FloatArray, Fl
 
     Args:
         poses: (..., n, 2 or more) poses of all robots.
-        slots: (..., n, 2 or more) where they should be; only what they are to each other counts.
+        slots: (..., n, 2 or more) where they should be; only their relative positions count.
 
     Returns:
         l_e and psi_e, each (..., n).

@@ -1,4 +1,4 @@
-"""Which way the formation faces at time t: along the path, always the same, or turning at a limited rate."""
+"""The formation's heading at time t: along the path, constant, or turning at a limited rate."""
 
 from typing import Protocol
 
@@ -65,7 +65,7 @@ class Rounded:
 
 
 def _time_to_turn(path: Path, at: float, turn: float, reach: float) -> float:
-    """How long a corner is turned, so that SHARE is kept on both legs [s]."""
+    """Duration of the turn at a corner, so that SHARE is kept on both legs [s]."""
     t: FloatArray = at + np.array([-GRID, 0.0, GRID])
     step = np.diff(path.position(t), axis=0)
     speed = float(np.hypot(step[:, 0], step[:, 1]).min()) / GRID
@@ -85,15 +85,15 @@ class Fixed:
 class Limited:
     """The heading of the path, followed at a limited rate, then averaged over SMOOTHING.
 
-    The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead. Before the
-    flight it faces as the path does two seconds ahead of it.
+    The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead. Before
+    t = 0 it has the heading that the path has two seconds before t = 0.
     """
 
     def __init__(self, path: Path, interval: float, *, rate: float | None, reach: float) -> None:
-        """The orientation from the flight's start on.
+        """The orientation from t = 0 on.
 
         Args:
-            path: what is followed.
+            path: of the formation's centre.
             interval: over which the paper samples the path's heading [s].
             rate: limit [rad/s]; None for SHARE of the path's speed at the outermost slot.
             reach: distance of the outermost slot from the centre [m].
@@ -142,7 +142,7 @@ def orientation_of(formation: Formation, path: Path, *, interval: float, reach: 
 
     Args:
         formation: says which.
-        path: where the centre goes.
+        path: of the formation's centre.
         interval, reach: as in `Limited`.
         rounded: whether the path's corners are turned as robots can.
     """

@@ -1,7 +1,7 @@
 """The ring between the robots of a formation, and the pattern of each pair, from offsets in the body frame.
 
-Robots are numbered from 1; row i - 1 of every array belongs to robot i. Robot i listens to its upstream
-neighbour i - 1, robot 1 to the last (Assumption 1 and fig. 1 of the paper).
+Robots are numbered from 1; row i - 1 of every array belongs to robot i. Robot i receives the plans of its upstream
+neighbour i - 1, robot 1 those of the last (Assumption 1 and fig. 1 of the paper).
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from formation.arrays import FloatArray, frozen
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """What every pair (robot i, its upstream neighbour -i) shall keep; row i - 1 is that of robot i."""
+    """The desired pattern of every pair (robot i, its upstream neighbour -i); row i - 1 is that of robot i."""
 
     distance: FloatArray
     """(n,) l_r: distance to the upstream neighbour [m]."""
@@ -24,12 +24,12 @@ class Pattern:
 
 
 def upstream(robot: int, robots: int) -> int:
-    """The number of the robot that `robot` listens to."""
+    """The number of the robot whose plans `robot` receives."""
     return (robot - 2) % robots + 1
 
 
 def downstream(robot: int, robots: int) -> int:
-    """The number of the robot that listens to `robot`."""
+    """The number of the robot that receives the plans of `robot`."""
     return robot % robots + 1
 
 

@@ -1,9 +1,9 @@
 """The reference on the ticks of the control interval: the centre's path and every robot's feasible slot.
 
 A slot is p_r(t) + Rot(phi(t)) o_i(t), where phi is the formation's orientation and o_i the robot's offset. Its heading
-and input follow from its own motion, not the centre's, so that on a curve all errors can be zero at once (THEORY:
-feasible references). Tables are made a block of ticks at a time, because looking up a row is a thousand times cheaper
-than computing it.
+and input follow from its own motion, not the centre's, so that on a curve all errors can be zero at once
+(docs/theory.md, section 8). Tables are made a block of ticks at a time, because looking up a row is a thousand times
+cheaper than computing it.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ BLOCK_TICKS = 2000
 """Ticks per block: 20 s, computed in some milliseconds."""
 
 HORIZONS = 2
-"""Horizons that a block reaches beyond its last tick: whoever catches up looks further than one."""
+"""Horizons that a block reaches beyond its last tick: a robot that catches up looks further ahead than one."""
 
 SLOW = 1e-3
 """Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
@@ -59,7 +59,7 @@ class Reference:
         """A reference for the robots with these offsets.
 
         Args:
-            path: where the centre goes.
+            path: of the formation's centre.
             offsets: of the robots wanted.
             orientation: which way the formation faces.
             control_interval: delta_t [s], the length of a tick.
@@ -103,7 +103,7 @@ class Reference:
         theta = heading(self._path, t, interval)[:, None]
         velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
         body = rotate(-theta, velocity)
-        # A slot that moves backwards keeps its nose within pi/2 of the path's heading and has v < 0.
+        # A slot that moves backwards keeps its heading within pi/2 of the path's and has v < 0.
         drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
         return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)
 

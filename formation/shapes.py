@@ -33,7 +33,7 @@ def square(robots: int, spacing: float) -> FloatArray:
 
 
 def wedge(robots: int, spacing: float) -> FloatArray:
-    """A V with its point in front and a right angle between its arms, robot 1 at the right end.
+    """A V with its tip in front and a right angle between its arms, robot 1 at the right end.
 
     An even number has two robots side by side in front.
     """

@@ -1,4 +1,4 @@
-"""Numbers as people write them: "300ms", "0.3s", "30%"."""
+"""Numbers with units as users write them: "300ms", "0.3s", "30%"."""
 
 _UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
 

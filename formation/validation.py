@@ -16,7 +16,7 @@ _BOUNDS = {
 
 
 def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
-    """One line per mistake in what was to become a `model`."""
+    """One line per mistake in the data of a `model`."""
     return [_line(dict(item), model) for item in error.errors(include_url=False)]
 
 

@@ -1,4 +1,4 @@
-"""The words and the wire: messages, key expressions, the faulty link, Zenoh sessions, the control protocol.
+"""Messages and transport: message types, key expressions, the faulty link, Zenoh sessions, the control protocol.
 
 `python -m network` is the router process that world, agents and dashboard connect to.
 """

@@ -13,7 +13,7 @@ from network.zenoh_bus import Router
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Listen until told to end."""
+    """Route messages until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m network", description=__doc__)
     parser.add_argument("--listen", required=True, help="unixsock-stream/PATH or tcp/HOST:PORT")
     parser.add_argument("--folder", help="the run's private folder, removed at the end")
@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
         wake.get()
     router.close()
     if options.folder:
-        remove(Path(options.folder))  # a launcher that lives does so itself
+        remove(Path(options.folder))  # a launcher that is alive removes it itself
     return 0
 
 

@@ -1,6 +1,6 @@
 """Messages to bytes and back: a CRC-32, then a MessagePack map with the message's type, version and fields.
 
-Arrays are raw little-endian float64. Decoding bytes that nobody trusts gives a message or a WireError, nothing
+Arrays are raw little-endian float64. Decoding untrusted bytes gives a message or a WireError, nothing
 else. The CRC is there because a link may flip bytes: a damaged plan must count as lost, not move a robot.
 """
 
@@ -14,36 +14,12 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from formation.errors import WireError
-from network.messages import (
-    VERSION,
-    Command,
-    Event,
-    Ghost,
-    LinkCounts,
-    Message,
-    Plan,
-    Reply,
-    Request,
-    Setup,
-    State,
-    Status,
-    Tick,
-)
+from network.messages import VERSION, Event, LinkCounts, Message
+from network.topics import MESSAGES
 
 MAX_BYTES = 1 << 20
 _CRC = struct.Struct("<I")
-_TYPES: dict[str, type[Any]] = {
-    "tick": Tick,
-    "plan": Plan,
-    "command": Command,
-    "status": Status,
-    "state": State,
-    "ghost": Ghost,
-    "setup": Setup,
-    "request": Request,
-    "reply": Reply,
-}
-_NAMES: dict[type[Any], str] = {kind: name for name, kind in _TYPES.items()}
+_NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
     kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)
 }
@@ -103,7 +79,7 @@ def decode(kind: type[M], payload: bytes) -> M:
         raise WireError(f"expected a map; got {type(body).__name__}")
     name, version = body.pop("type", None), body.pop("version", None)
     if type(version) is not int or version != VERSION:
-        raise WireError(f"expected version {VERSION}; got {version!r:.40}")
+        raise WireError(f"expected a peer of wire version {VERSION}; got {version!r:.40}")
     if name != _NAMES[kind]:
         raise WireError(f"expected a {_NAMES[kind]}; got {name!r:.40}")
     try:

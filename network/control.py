@@ -1,4 +1,4 @@
-"""What people and programs may ask of the world: one model per operation, named in a Request."""
+"""The operations that a client may request of the world: one model each, named in a Request."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,21 +15,21 @@ Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
 class Start(Model):
-    """Run, or go on."""
+    """Start, or continue."""
 
 
 class Pause(Model):
-    """Hold time after the current tick."""
+    """Stop simulated time after the current tick."""
 
 
 class Step(Model):
-    """Pause, and run so many ticks."""
+    """Pause, then run this many ticks."""
 
     ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
 
 
 class Reset(Model):
-    """Start the flight again."""
+    """Start a new episode."""
 
 
 class Speed(Model):
@@ -56,13 +56,13 @@ class SetPreset(Model):
 
 
 class Clear(Model):
-    """Take back what people set on a link, and end what the schedule has on now."""
+    """Remove the faults that users set on a link, and end the scheduled ones that are active now."""
 
     link: str = "all"
 
 
 class UseScenario(Model):
-    """Fly another scenario."""
+    """Switch to another scenario."""
 
     scenario: str
     """A shipped name."""
@@ -71,25 +71,25 @@ class UseScenario(Model):
 
 
 class UseController(Model):
-    """Fly the same scenario again with another controller."""
+    """Start the same scenario again with another controller."""
 
     controller: str
 
 
 class Kill(Model):
-    """Have the launcher end an agent without a goodbye; it stays down until `Restart`."""
+    """Have the launcher kill an agent (SIGKILL); it stays down until `Restart`."""
 
     robot: Robot
 
 
 class Restart(Model):
-    """Have the launcher start an agent that was killed, or replace one that lives."""
+    """Have the launcher start a killed agent again, or replace a live one."""
 
     robot: Robot
 
 
 class Compare(Model):
-    """Fly a ghost beside the formation: the same scenario under a controller, on the same faults."""
+    """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
     controller: Literal[ControllerName, "off"]
 
@@ -103,24 +103,24 @@ class GetSetup(Model):
 
 
 class GetFaults(Model):
-    """The reply's value is a FaultTables: which faults this flight has met so far, in parts."""
+    """The reply's value is a FaultTables: the fault tables of this episode so far, in parts."""
 
     known: Annotated[int, Field(ge=0)] = 0
-    """Number of tables that are not wanted, because they are known."""
+    """Number of tables to leave out, because the client has them."""
 
 
 class FaultTables(Model):
-    """Faults of a flight: from each stamp on, every link that was not perfect."""
+    """Fault tables of an episode: every link that is not perfect, from each stamp on."""
 
     episode: int
     changes: int
-    """How many tables there have been in this flight; one that is not here is had by asking again."""
+    """Number of tables in this episode so far; request again for those that are not in this reply."""
     tables: list[tuple[NonNegative, dict[str, Fault]]]
-    """The first table of all is that of the start."""
+    """The first table of an episode is the one at t = 0."""
 
 
 class GetSummary(Model):
-    """The reply's value holds the figures of the flight."""
+    """The reply's value is the summary of the episode."""
 
     warmup: NonNegative = 0.0
 
@@ -172,7 +172,7 @@ def request(operation: Operation) -> Request:
 
 
 def operation(message: Request) -> Operation:
-    """The operation that a message asks for.
+    """The operation that a request names.
 
     Raises:
         EchelonError: there is no such operation, or its arguments are wrong; the text lists what there is.

@@ -1,4 +1,4 @@
-"""Whether a process of a run is alive, as others see it; for the health checks of containers."""
+"""Whether a process of a run has its liveliness token; for the health checks of containers."""
 
 import argparse
 import sys
@@ -10,7 +10,7 @@ SECONDS = 3.0
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit code 0 if it is, 1 if not."""
+    """Exit code 0 if it is alive, 1 if not."""
     parser = argparse.ArgumentParser(prog="python -m network.health", description=__doc__)
     parser.add_argument("--run", required=True)
     parser.add_argument("--connect", required=True)

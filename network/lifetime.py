@@ -1,4 +1,4 @@
-"""When a process of a run shall end: on SIGTERM, on Ctrl-C if it was started by hand, or when its launcher is gone."""
+"""When a process of a run ends: on SIGTERM, on Ctrl-C if it was started by hand, or when its launcher has exited."""
 
 import os
 import signal
@@ -9,11 +9,11 @@ from multiprocessing import parent_process
 from multiprocessing.connection import wait
 
 GRACE_SECONDS = 3.0
-"""From the launcher's death to this process's, at most."""
+"""Longest time from the launcher's exit to this process's [s]."""
 
 
 class Lifetime:
-    """Tells a process's loop when to end."""
+    """Signals a process's loop when to end."""
 
     def __init__(self, on_end: Callable[[], None] = lambda: None) -> None:
         """Install the handlers; call from the main thread.

@@ -1,4 +1,4 @@
-"""One faulty directed link, without any I/O: push what was sent, pop what is due (DESIGN section 4).
+"""One faulty directed link, without any I/O: push what was sent, pop what is due (docs/design.md, section 4).
 
 It stands at the receiver. What happens to a message is drawn from (seed, source, target, seq) alone, so the same
 messages meet the same faults whatever the controller, the timing or the machine.
@@ -20,7 +20,7 @@ QUEUE_LIMIT = 10
 PARETO_SHAPE = 3.0
 """Tail index of pareto jitter: finite mean and variance, the occasional very late message."""
 MEMORY = 4096
-"""Messages that a burst is traced back at most; longer chains start from the stationary distribution."""
+"""Messages that a burst is traced back at most; beyond, the chain starts from its stationary distribution."""
 
 T = TypeVar("T")
 _WORDS = struct.Struct("<8Q")
@@ -28,7 +28,7 @@ _WORDS = struct.Struct("<8Q")
 
 @dataclass(frozen=True, slots=True)
 class Arrival(Generic[T]):
-    """A message that has come through."""
+    """A delivered message."""
 
     seq: int
     sent: float
@@ -54,7 +54,7 @@ class _Draws(NamedTuple):
 
 
 class Link(Generic[T]):
-    """A link from `source` to `target`; set `fault` at any time, it holds for messages pushed from then on."""
+    """A link from `source` to `target`. `fault` may be set at any time; it applies to messages pushed afterwards."""
 
     def __init__(self, seed: int, source: str, target: str, fault: Fault = PERFECT) -> None:
         self.fault = fault
@@ -92,7 +92,7 @@ class Link(Generic[T]):
         return self._fault is PERFECT and not self._heap
 
     def push(self, seq: int, sent: float, message: T) -> None:
-        """Give a message to the link. Messages come in the order in which they were sent."""
+        """Send a message over the link. Messages must be pushed in the order in which they were sent."""
         self._sent += 1
         fault = self._fault
         if fault is PERFECT:
@@ -131,7 +131,7 @@ class Link(Generic[T]):
         heapq.heappush(self._heap, (due, self._order, arrival))
 
     def _departure(self, sent: float) -> float | None:
-        """When a rate-limited link sends it on; None if its queue is full."""
+        """When a rate-limited link forwards the message [s]; None if its queue is full."""
         if self._fault.rate == 0.0:
             return sent
         departure = max(sent, self._free)

@@ -1,7 +1,7 @@
-"""The words that processes say to each other. Every message is a frozen value with sender, seq and stamp.
+"""The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
 
-`stamp` is simulated time [s]; `episode` changes with every reset, so that words of an earlier flight are not taken
-for words of this one. Robots are numbered from 1. network/codec.py turns messages into bytes and back.
+`stamp` is simulated time [s]; `episode` changes with every reset, so that messages of an earlier episode are not taken
+for messages of this one. Robots are numbered from 1. network/codec.py encodes and decodes them.
 """
 
 from dataclasses import dataclass, field
@@ -12,9 +12,13 @@ from pydantic import ConfigDict, Field, PlainValidator
 
 from formation.arrays import FloatArray
 
-VERSION = 1
+VERSION = 2
+"""Of the wire: processes of another version refuse each other's bytes."""
 WORLD = 0
 """Sender number of the world; robots count from 1."""
+
+Mode = Literal["lockstep", "realtime"]
+"""Whether the world waits for every agent at every tick, or steps by the wall clock."""
 
 _STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -62,7 +66,7 @@ Flag = Annotated[bool, Field(strict=True)]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tick:
-    """World to all: simulated time has reached `stamp`; here is where everybody is."""
+    """World to all: simulated time has reached `stamp`; the measured poses at this time."""
 
     sender: Sender
     seq: Count
@@ -70,19 +74,19 @@ class Tick:
     stamp: NonNegative
     episode: Count
     revision: Count
-    """Which `Setup` holds from this tick on."""
+    """Number of the `Setup` that is valid from this tick on."""
     poses: Poses
     """Measured poses of all robots. An agent reads its own row only."""
     planned: list[Sender]
     """Robots that sent a plan at tick k - 1. In lockstep the one downstream waits for it."""
     last: Flag = False
-    """Whether this is the last tick of the flight."""
+    """Whether this is the last tick of the episode."""
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """Agent to its downstream neighbour: where it is and what it will do over the horizon."""
+    """Agent to its downstream neighbour: its pose and its inputs over the horizon."""
 
     sender: Sender
     seq: Count
@@ -90,20 +94,20 @@ class Plan:
     stamp: NonNegative
     episode: Count
     pose: Pose
-    """Where the sender is at `stamp`, as far as it knows."""
+    """Pose of the sender at `stamp`, as measured or carried forward by it [m, m, rad]."""
     interval: Positive
     """Delta_T: how long each input is held [s]."""
     inputs: Inputs
     lag: NonNegative = 0.0
-    """How far its reference time is behind the clock, because it waits for somebody [s]."""
-    drift: Real = 0.0
-    """Rate at which it lets its lag change by itself: 1 while it cannot keep up, below 0 while it catches up."""
+    """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
+    lag_rate: Real = 0.0
+    """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """Agent to world: the input for tick k, and what it was based on."""
+    """Agent to world: the input for tick k, and the data that it was computed from."""
 
     sender: Sender
     seq: Count
@@ -115,26 +119,26 @@ class Command:
     omega: Real
     """[rad/s]."""
     age: NonNegative
-    """Age of the plan of the upstream neighbour that was used [s]."""
+    """Age of the upstream neighbour's plan that was used [s]."""
     planned: Flag
-    """Whether a plan went out at this tick."""
+    """Whether a plan was sent at this tick."""
     solve: NonNegative
-    """Wall-clock time that planning took [s]; 0 if none did."""
+    """Wall-clock time of planning [s]; 0 at a tick without planning."""
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True)
 class LinkCounts:
-    """What became of the messages of one link so far."""
+    """Message counts of one link so far."""
 
     sent: Count = 0
     delivered: Count = 0
-    """Arrived and used or usable, copies included."""
+    """Arrived, copies included."""
     lost: Count = 0
     late: Count = 0
-    """Arrived after a newer one, and were dropped for it (part of delivered)."""
+    """Dropped because a newer one had arrived before (part of delivered)."""
     corrupt: Count = 0
-    """Arrived damaged and were refused (part of delivered)."""
+    """Refused because of flipped bytes (part of delivered)."""
     duplicated: Count = 0
     """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
     in_flight: Count = 0
@@ -143,7 +147,7 @@ class LinkCounts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Status:
-    """Agent to people, ten times a second: how it is doing."""
+    """Agent to displays, ten times a second: its plans, its link, its solver."""
 
     sender: Sender
     seq: Count
@@ -163,7 +167,7 @@ class Status:
     missed: Count
     """Ticks that it did not answer in time (real time only)."""
     gap: NonNegative
-    """Nash gap: what it could still gain by changing its own plan alone (THEORY section 6)."""
+    """Nash gap: how much the robot could lower its cost by changing its own plan alone (docs/theory.md, section 5)."""
     rejected: Count
     """Payloads that were not valid messages."""
     pid: Count
@@ -172,7 +176,7 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that a person may want to know."""
+    """An entry of the run's event log."""
 
     number: Count
     stamp: NonNegative
@@ -186,7 +190,7 @@ RunStatus = Literal["waiting", "running", "paused", "finished"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """World to people, twenty times a second: everything that is worth showing."""
+    """World to displays, twenty times a second: poses, errors, faults and events."""
 
     sender: Sender
     seq: Count
@@ -195,14 +199,14 @@ class State:
     revision: Count
     scenario: Text
     controller: Text
-    mode: Literal["lockstep", "realtime"]
+    mode: Mode
     status: RunStatus
     waiting_for: list[Sender]
     """Robots without a live agent."""
     dismissed: list[Sender]
-    """Robots whose agents people have killed: the launcher keeps these down."""
+    """Robots whose agents users have killed: the launcher keeps these down."""
     speed: NonNegative
-    """Wished simulated seconds per second; 0 means as fast as possible."""
+    """Requested simulated seconds per second; 0 means as fast as possible."""
     pace: NonNegative
     """Simulated seconds per second over the last second."""
     overruns: Count
@@ -212,9 +216,9 @@ class State:
     poses: Poses
     """True poses."""
     slots: Poses
-    """Where the robots should be."""
+    """Slots: the reference poses of the robots."""
     centre: Pose
-    """Where the centre of the formation should be, with the path's heading."""
+    """Reference position of the formation's centre, with the path's heading."""
     distance_errors: Numbers
     """(n,) l_e [m]."""
     angle_errors: Numbers
@@ -222,21 +226,21 @@ class State:
     tracking_error: NonNegative
     """[m]."""
     live: list[Sender]
-    """Robots whose agents are alive."""
+    """Robots with a live agent."""
     stopped: list[Sender]
-    """Robots that the watchdog holds."""
+    """Robots that the watchdog has stopped."""
     faults: dict[str, dict[str, Any]]
-    """Every link that is not perfect, and how: keys of formation.faults.Fault that differ from its default."""
+    """Every link that is not perfect, with the keys of formation.faults.Fault that differ from its default."""
     events: list[Event]
     """The newest events, oldest first."""
     compare: Text
-    """Controller that a ghost shall fly beside this one; empty for none."""
+    """Controller of the requested ghost; empty for none."""
     __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ghost:
-    """Ghost to people, after a State: the same flight at that stamp under another controller, on the same faults."""
+    """Ghost to displays, after a State: the same episode at that stamp under another controller, the same faults."""
 
     sender: Sender
     seq: Count
@@ -255,7 +259,7 @@ class Ghost:
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """World to whoever asks: what is flown. An agent that meets a new revision in a tick asks for it."""
+    """World to whoever asks: scenario, mode and faults. An agent that receives a new revision in a tick asks for it."""
 
     sender: Sender
     seq: Count
@@ -264,7 +268,7 @@ class Setup:
     revision: Count
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
-    mode: Literal["lockstep", "realtime"]
+    mode: Mode
     faults: dict[str, dict[str, Any]]
     """As in State."""
     __pydantic_config__ = _STRICT
@@ -272,7 +276,7 @@ class Setup:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Anybody to the world: do something. `arguments` depend on `operation`; see network/control.py."""
+    """Client to world: an operation with its arguments; see network/control.py."""
 
     operation: Text
     arguments: dict[str, Any] = field(default_factory=dict)
@@ -281,7 +285,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """World to who asked: done, or why not."""
+    """World to client: done, or the reason why not."""
 
     ok: Flag
     reason: Text = ""

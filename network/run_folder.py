@@ -1,4 +1,4 @@
-"""The private folder of a run: whoever leads the run holds a lock in it, and it is removed when nobody does."""
+"""The private folder of a run: its launcher holds a lock in it; the folder is removed once nobody holds the lock."""
 
 import contextlib
 import fcntl
@@ -8,12 +8,15 @@ from pathlib import Path
 from typing import IO
 
 VARIABLE = "ECHELON_RUNS"
-"""Environment variable that names another place for the folders of runs."""
+"""Environment variable for another parent folder of the runs' folders."""
 _LOCK = "lock"
 
 
 def lock(path: Path) -> IO[bytes] | None:
-    """The lock of a run's folder; None if somebody holds it, or the folder is gone. A killed process holds nothing."""
+    """The lock of a run's folder; None if another process holds it, or if the folder does not exist.
+
+    The lock of a killed process is free.
+    """
     try:
         file = (path / _LOCK).open("ab")
     except OSError:
@@ -21,7 +24,7 @@ def lock(path: Path) -> IO[bytes] | None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if os.fstat(file.fileno()).st_ino == (path / _LOCK).stat().st_ino:
-            return file  # and not a folder that somebody removed and made again meanwhile
+            return file  # and not a folder that was removed and made again meanwhile
     except OSError:
         pass
     file.close()
@@ -29,7 +32,7 @@ def lock(path: Path) -> IO[bytes] | None:
 
 
 def remove(path: Path, held: IO[bytes] | None = None) -> None:
-    """Remove the folder if nobody else holds its lock, and the place of all runs if it was the last.
+    """Remove the folder if no other process holds its lock, and its parent folder if it was the last.
 
     Args:
         path: the run's folder.

@@ -1,44 +1,181 @@
-"""Key expressions of a run; the README's table is made of these."""
+"""The topics of a run, in one table: key, message, sender, rate, reliability, what is recorded.
+
+Key expressions, the names in network/codec.py, staleness limits and README's table (network/reference.py) follow from
+it. A new topic is a line of TOPICS and a message in network/messages.py.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from network.messages import Command, Ghost, Mode, Plan, Reply, Request, Setup, State, Status, Tick
+
+Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "each"]
+ROOT = "echelon"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One key expression, and what goes over it."""
+
+    name: str
+    """Last part of the key, where there is one message."""
+    path: str
+    """Key below echelon/{run}, with {id} for the sender's number and {role} for its role."""
+    messages: tuple[type[Any], ...]
+    """What is published; of a query the question, then the possible answers."""
+    sender: Role
+    """Who publishes; of a query, who answers."""
+    carries: str
+    """In a few words, for readers."""
+    rate: float | None = None
+    """Messages a second of wall clock; None: with the ticks, or when asked."""
+    pace: str = ""
+    """The rate in words, where it is no number or holds at times only."""
+    reliable: Literal["always", "lockstep", "never"] = "never"
+    """When a publisher waits for a slow subscriber rather than drop: in every mode, in lockstep, or never."""
+    stale: float = math.inf
+    """Silent for longer, the sender counts as gone [s of wall clock]."""
+    recorded: bool = False
+    """Whether it goes into a record of the run."""
+
+    def key(self, run: str, number: int | str = "*", role: str = "*") -> str:
+        """The key expression of a run, of one sender or (with "*") of all."""
+        return f"{ROOT}/{run}/" + self.path.format(id=number, role=role)
+
+    def is_reliable(self, mode: Mode) -> bool:
+        """Whether a publisher waits for a slow subscriber in a run of this mode."""
+        return self.reliable in ("always", mode)
+
+    @property
+    def interval(self) -> float:
+        """Between two messages [s of wall clock]."""
+        if self.rate is None:
+            raise ValueError(f"expected a topic with a rate; got {self.name}")
+        return 1.0 / self.rate
+
+
+TICK = Topic(
+    "tick",
+    "tick",
+    (Tick,),
+    "world",
+    "k, stamp, measured poses, who has planned, revision of faults and scenario",
+    pace="each control interval",
+    reliable="lockstep",
+    recorded=True,
+)
+PLAN = Topic(
+    "plan",
+    "robot/{id}/plan",
+    (Plan,),
+    "agent",
+    "pose, inputs (v, omega) over the horizon, how far it is behind the clock",
+    pace="each planning tick",
+    reliable="always",
+    recorded=True,
+)
+COMMAND = Topic(
+    "command",
+    "robot/{id}/command",
+    (Command,),
+    "agent",
+    "v, omega, age of the plan used, solve time, whether the solver converged",
+    pace="each tick",
+    reliable="always",
+    recorded=True,
+)
+STATUS = Topic(
+    "status",
+    "robot/{id}/status",
+    (Status,),
+    "agent",
+    "its newest plan, the newest that it received, age and counts of its link, solve time, Nash gap",
+    rate=10.0,
+    reliable="always",
+    stale=0.25,
+    recorded=True,
+)
+STATE = Topic(
+    "state",
+    "state",
+    (State,),
+    "world",
+    "poses, slots, errors, faults, events",
+    rate=20.0,
+    stale=1.5,
+    recorded=True,
+)
+GHOST = Topic(
+    "ghost",
+    "ghost",
+    (Ghost,),
+    "ghost",
+    "poses and errors of the compared controller at a State's stamp",
+    rate=20.0,
+    pace="20 Hz while comparing",
+)
+CONTROL = Topic("control", "control", (Request, Reply, Setup), "world", "queryable", pace="on demand")
+ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
+
+TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, GHOST, CONTROL, ALIVE)
+MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
+"""Every message by its name on the wire."""
 
 
 def tick(run: str) -> str:
     """The world's Tick."""
-    return f"echelon/{run}/tick"
+    return TICK.key(run)
 
 
 def plan(run: str, robot: int | str) -> str:
     """An agent's Plan."""
-    return f"echelon/{run}/robot/{robot}/plan"
+    return PLAN.key(run, robot)
 
 
 def command(run: str, robot: int | str) -> str:
     """An agent's Command."""
-    return f"echelon/{run}/robot/{robot}/command"
+    return COMMAND.key(run, robot)
 
 
 def status(run: str, robot: int | str) -> str:
     """An agent's Status."""
-    return f"echelon/{run}/robot/{robot}/status"
+    return STATUS.key(run, robot)
 
 
 def state(run: str) -> str:
-    """The world's State, for people."""
-    return f"echelon/{run}/state"
+    """The world's State, for displays."""
+    return STATE.key(run)
 
 
 def ghost(run: str) -> str:
-    """What would be under another controller: Ghost."""
-    return f"echelon/{run}/ghost"
+    """The same episode under another controller: Ghost."""
+    return GHOST.key(run)
 
 
 def control(run: str) -> str:
-    """Where the world answers Requests."""
-    return f"echelon/{run}/control"
+    """The queryable on which the world answers Requests."""
+    return CONTROL.key(run)
 
 
 def alive(run: str, role: str, number: int | str) -> str:
     """The liveliness token of a process."""
-    return f"echelon/{run}/alive/{role}/{number}"
+    return ALIVE.key(run, number, role)
+
+
+def topic_of(key: str) -> Topic | None:
+    """The topic of a key without wildcards; None if there is none."""
+    parts = key.split("/")
+    return next((topic for topic in TOPICS if _fits(topic, parts)), None)
+
+
+def _fits(topic: Topic, parts: list[str]) -> bool:
+    expected = topic.path.split("/")
+    return (
+        len(parts) == 2 + len(expected)
+        and parts[0] == ROOT
+        and all(part == got or part in ("{id}", "{role}") for part, got in zip(expected, parts[2:], strict=True))
+    )
 
 
 def robot_of(key: str) -> int | None:

@@ -1,4 +1,4 @@
-"""A process's place on the network: one Zenoh session, and one inbox for everything that comes in.
+"""A process's connection to its run: one Zenoh session, and one inbox for everything that it receives.
 
 All that arrives (samples, queries, processes that come and go) lands in one queue in the order of arrival. Zenoh's
 own receive threads only append to it, so a slow reader never stalls the session, and a reader can wait with a time
@@ -24,14 +24,14 @@ from network.control import GetSetup, Operation, request
 from network.messages import Message, Reply, Request, Setup
 
 LEASE_MS = 1000
-"""A process that says nothing for so long is gone for the others; it is announced by the silent side."""
+"""Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
 CONNECT_MS = 10_000
 CLOSE_SECONDS = 2.0
-"""Closing on a dead link would take ten seconds."""
+"""Time limit for closing a session [s]; on a dead link it would take ten seconds."""
 
 
 class Sample(NamedTuple):
-    """A payload that somebody published."""
+    """A payload that was published."""
 
     key: str
     payload: bytes
@@ -39,7 +39,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """A payload that waits for an answer; `answer` may be called from any thread, once."""
+    """A request that waits for an answer; `answer` may be called from any thread, once."""
 
     payload: bytes
     answer: Callable[[bytes], None]
@@ -47,7 +47,7 @@ class Query:
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """A process has come or gone."""
+    """A process has joined or left."""
 
     role: str
     number: int
@@ -55,14 +55,14 @@ class Presence:
 
 
 class Wake:
-    """Put into an inbox to wake its reader."""
+    """An item that wakes the reader of an inbox."""
 
 
 Incoming = Sample | Query | Presence | Wake
 
 
 def config(*, endpoint: str, router: bool) -> zenoh.Config:
-    """A session that talks to nobody but the router: no scouting, no other listeners, no shared memory."""
+    """Configuration of a session with the router only: no scouting, no other listeners, no shared memory."""
     settings: dict[str, Any] = {
         "mode": "router" if router else "client",
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 1},
@@ -82,7 +82,7 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
 
 
 class Session:
-    """A client of the run's router. Use as a context manager; what comes in is in `inbox`."""
+    """A client of the run's router. Use as a context manager; received items are in `inbox`."""
 
     def __init__(self, endpoint: str, run: str) -> None:
         """Connect; waits some seconds for the router.
@@ -114,7 +114,7 @@ class Session:
         return bool(self._session.info.routers_zid())
 
     def subscribe(self, key: str) -> None:
-        """Samples on this key expression go to the inbox from now on."""
+        """Subscribe: samples on this key expression go to the inbox."""
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
@@ -127,19 +127,19 @@ class Session:
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
     def keep(self, key: str, depth: int) -> "Kept":
-        """Samples on this key expression are kept outside the inbox from now on, the newest `depth` of them."""
+        """Subscribe outside the inbox: keep the newest `depth` samples on this key expression."""
         return Kept(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
 
     def unsubscribe(self, key: str) -> None:
-        """No more samples on this key expression, which was subscribed to before."""
+        """Unsubscribe from this key expression."""
         self._subscribers.pop(key).undeclare()  # type: ignore[no-untyped-call]
 
     def announce(self, key: str, *, reliable: bool = False) -> None:
-        """Prepare to publish on `key`, so that the first message finds its listeners.
+        """Declare a publisher on `key`, so that the first message finds its subscribers.
 
         Args:
             key: a key without wildcards.
-            reliable: wait for a slow listener rather than drop.
+            reliable: wait for a slow subscriber rather than drop.
         """
         self._publishers[key] = self._session.declare_publisher(
             key,
@@ -149,11 +149,11 @@ class Session:
         )
 
     def publish(self, key: str, message: Message) -> None:
-        """Say something, on an announced key, to whoever listens."""
+        """Publish on a key that was announced."""
         self._publishers[key].put(encode(message))
 
     def serve(self, key: str) -> None:
-        """Queries on this key go to the inbox from now on."""
+        """Declare a queryable: queries on this key go to the inbox."""
 
         def take(query: zenoh.Query) -> None:
             def answer(payload: bytes) -> None:
@@ -165,7 +165,7 @@ class Session:
         self._declared.append(self._session.declare_queryable(key, zenoh.handlers.Callback(take, indirect=False)))
 
     def ask(self, what: Operation | Request, *, timeout: float = 2.0) -> Reply | None:
-        """Ask the world of this run. None if nobody answers within `timeout` [s].
+        """Send a request to the world of this run. None if it does not answer within `timeout` [s].
 
         Raises:
             WireError: the answer is not a Reply.
@@ -174,7 +174,7 @@ class Session:
         return None if payload is None else decode(Reply, payload)
 
     def setup(self, *, timeout: float = 1.0) -> Setup | None:
-        """What the world of this run flies. None if nobody answers within `timeout` [s].
+        """The Setup of this run's world. None if it does not answer within `timeout` [s].
 
         Raises:
             WireError: the answer is not a Setup.
@@ -189,11 +189,11 @@ class Session:
         return None
 
     def appear(self, role: str, number: int = 0) -> None:
-        """Be seen as alive until this session closes or its process dies."""
+        """Declare a liveliness token, which lasts until this session closes or its process dies."""
         self._declared.append(self._session.liveliness().declare_token(topics.alive(self.run, role, number)))
 
     def watch(self) -> None:
-        """Presence of this run's processes, now and later, goes to the inbox."""
+        """Subscribe to liveliness: presence of this run's processes, now and later, goes to the inbox."""
 
         def take(sample: zenoh.Sample) -> None:
             *_, role, number = str(sample.key_expr).split("/")
@@ -208,7 +208,7 @@ class Session:
         )
 
     def incoming(self, seconds: float) -> Iterator[Incoming]:
-        """What comes in within so long [s], as it comes; the reader may stop earlier."""
+        """Items received within this time [s], as they come; the reader may stop earlier."""
         until = monotonic() + seconds
         while (left := until - monotonic()) > 0:
             try:
@@ -217,28 +217,28 @@ class Session:
                 return
 
     def wake(self) -> None:
-        """Wake whoever waits for the inbox; safe in a signal handler."""
+        """Wake the reader of the inbox; safe in a signal handler."""
         self.inbox.put(Wake())
 
     def close(self) -> None:
-        """Leave the network; never takes longer than CLOSE_SECONDS."""
+        """Close the session, within CLOSE_SECONDS."""
         _close(self._session)
 
 
 class Kept:
-    """Samples that wait until somebody looks; what nobody looks at in time is overwritten, and costs no Python."""
+    """A ring of the newest samples, read on demand; overwritten samples never reach Python."""
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber
 
     def take(self) -> Iterator[Sample]:
-        """Everything that has come in since the last look, oldest first."""
+        """The samples since the last call, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
             yield Sample(str(sample.key_expr), sample.payload.to_bytes())
 
 
 class Router:
-    """The run's router: everything goes through it, nothing else listens."""
+    """The run's router: all traffic passes it, and no other process listens."""
 
     def __init__(self, endpoint: str) -> None:
         """Listen on unixsock-stream/PATH or tcp/HOST:PORT.
@@ -258,7 +258,7 @@ class Router:
 
 
 def _close(session: zenoh.Session) -> None:
-    """Close within the time limit; a process that left a session open could never exit, so then it is ended."""
+    """Close within the time limit; a process with an open session could never exit, so it is ended otherwise."""
     closer = threading.Thread(target=session.close, daemon=True)
     closer.start()
     closer.join(CLOSE_SECONDS)

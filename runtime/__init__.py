@@ -1,1 +1,1 @@
-"""Two ways to fly the same scenario: in one process on a counted clock, or as supervised processes."""
+"""Two engines for the same scenario: one process on a counted clock, or supervised processes."""

@@ -49,7 +49,7 @@ def plan(scenario: str, settings: Sequence[str]) -> Plan:
 
 
 def compose_file(name: str, scenario: Scenario, settings: Sequence[str] = ()) -> str:
-    """The text of a compose file that flies the scenario.
+    """The text of a compose file that runs the scenario.
 
     Args:
         name: of a shipped scenario: the image holds no others.
@@ -57,7 +57,7 @@ def compose_file(name: str, scenario: Scenario, settings: Sequence[str] = ()) ->
         settings: key=value.
 
     Raises:
-        ScenarioError: its controller cannot fly as processes.
+        ScenarioError: its controller cannot run as processes.
     """
     check_live(scenario.controller.name)
     words = " ".join([name, *(f"--set {setting}" for setting in settings)])
@@ -80,7 +80,7 @@ def _service(program: Program) -> str:
         "      timeout: 8s",
         "      start_period: 20s",
     ]
-    if program.role == "world":  # an order to stop is obeyed, a crash is not
+    if program.role == "world":  # a requested stop is final, a crash is not
         lines += ["    restart: on-failure"]
     if program.role != "router":
         lines += ["    depends_on: [router]"]

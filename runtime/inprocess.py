@@ -16,14 +16,14 @@ PROGRESS_TICKS = 50
 
 
 class Simulation:
-    """A flight of the scenario, tick by tick."""
+    """An episode of the scenario, tick by tick."""
 
     def __init__(self, scenario: Scenario, *, endless: bool = False) -> None:
-        """Everybody at the start.
+        """World and agents at t = 0.
 
         Args:
-            scenario: what is flown.
-            endless: fly on past the duration, if the path is closed; then nothing is kept of what has happened.
+            scenario: what to simulate.
+            endless: continue past the duration, if the path is closed; then no trace is kept.
         """
         self.world = World(scenario, endless=endless)
         self._team = Team(scenario) if scenario.controller.name == "centralised" else None
@@ -39,7 +39,7 @@ class Simulation:
 
     @property
     def trace(self) -> Trace:
-        """What has happened so far."""
+        """The trace so far."""
         assert self.world.trace is not None  # only an endless world keeps none
         return self.world.trace
 
@@ -49,7 +49,7 @@ class Simulation:
         return self.world.finished
 
     def step(self) -> None:
-        """One tick: everybody hears, decides, moves."""
+        """One tick: deliver plans, plan, move."""
         world, agents = self.world, self.agents
         tick = world.tick()
         if tick.revision != self._revision:
@@ -68,7 +68,7 @@ class Simulation:
         world.advance({robot: answer.command for robot, answer in answers.items()})
 
     def simulate(self, progress: Callable[[float], None] | None = None) -> Trace:
-        """On to the end; `progress` is called now and then with the simulated time [s]."""
+        """Simulate to the end; `progress` is called now and then with the simulated time [s]."""
         while not self.finished:
             self.step()
             if progress and self.world.k % PROGRESS_TICKS == 0:
@@ -79,15 +79,15 @@ class Simulation:
 def simulate(
     scenario: Scenario, *, progress: Callable[[float], None] | None = None, warmup: float = 0.0
 ) -> dict[str, Any]:
-    """Fly the scenario to its end and return the summary (world/trace.py).
+    """Simulate the scenario to its end and return the summary (world/trace.py).
 
     Args:
-        scenario: what is flown.
+        scenario: what to simulate.
         progress: called now and then with the simulated time [s].
         warmup: measures start at this simulated time [s].
     """
     began = perf_counter()
-    flight = Simulation(scenario)
-    flight.simulate(progress)
-    summary = flight.world.summary(warmup=warmup)
+    simulation = Simulation(scenario)
+    simulation.simulate(progress)
+    summary = simulation.world.summary(warmup=warmup)
     return {**summary, "engine": "inprocess", "wall_s": perf_counter() - began}

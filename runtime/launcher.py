@@ -1,4 +1,4 @@
-"""A run as supervised processes: up with its processes, along with the world, down without a trace."""
+"""A run as supervised processes: start them, watch them, end them all and remove what they leave."""
 
 import contextlib
 import signal
@@ -49,13 +49,13 @@ class LiveRun:
 
         Args:
             name: of the run.
-            scenario: what is flown, already checked.
+            scenario: what to run, already checked.
             source, settings: name or file, and key=value, from which the world makes the same scenario.
-            tell: told a line when something happens that people should know.
+            tell: called with a line for the user.
             options: of runtime.process_list.Plan.
 
         Raises:
-            EchelonError: the name is in use, or the controller cannot fly as processes.
+            EchelonError: the name is in use, or the controller cannot run as processes.
         """
         check_live(scenario.controller.name)
         self._scenario, self._tell = scenario, tell
@@ -98,11 +98,11 @@ class LiveRun:
 
     @property
     def state(self) -> State | None:
-        """The newest state that the world has said."""
+        """The newest State of the world."""
         return self._state
 
     def watch(self) -> bool:
-        """Look after the run for a moment. Returns False once the world was told to stop.
+        """Supervise the run for a moment. Returns False once the world was asked to stop.
 
         Raises:
             EchelonError: the world could not begin, or a process cannot be kept alive.
@@ -128,13 +128,13 @@ class LiveRun:
             except Empty:
                 return
             if isinstance(item, Sample):
-                with contextlib.suppress(WireError):  # garbage; who it concerns counts it
+                with contextlib.suppress(WireError):  # not a valid message; its receivers count it
                     self._state = decode(State, item.payload)
 
     def summary(self, warmup: float) -> dict[str, Any]:
-        """The figures of the flight. Raises EchelonError if the world does not say."""
+        """The summary of the episode. Raises EchelonError if the world does not answer."""
         assert self._session is not None
         reply = self._session.ask(GetSummary(warmup=warmup), timeout=10.0)
         if reply is None or not reply.ok:
-            raise EchelonError(f"expected the figures of the flight; got {reply.reason if reply else 'no answer'}")
+            raise EchelonError(f"expected the summary of the episode; got {reply.reason if reply else 'no answer'}")
         return reply.value

@@ -12,7 +12,7 @@ def ensure_compiled(tell: Callable[[str], None]) -> None:
     """Compile what is not compiled yet, in a process of its own.
 
     Args:
-        tell: told a line if this takes a while.
+        tell: called with a line for the user if this takes a while.
 
     Raises:
         EchelonError: it cannot be compiled.

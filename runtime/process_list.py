@@ -18,7 +18,7 @@ class Program:
 
     @property
     def name(self) -> str:
-        """As people call it: "world", "agent 2"."""
+        """Name for the user: "world", "agent 2"."""
         return f"{self.role} {self.number}" if self.role == "agent" else self.role
 
 
@@ -31,22 +31,22 @@ class Plan:
     scenario: str
     """Name or file."""
     connect: str
-    """The router's endpoint, as seen by the others."""
+    """The router's endpoint that its clients connect to."""
     listen: str
-    """The router's endpoint, as it sees it itself."""
+    """The router's endpoint that it listens on."""
     settings: Sequence[str] = ()
     realtime: bool = False
     speed: float = 1.0
     endless: bool = False
     paused: bool = False
     folder: str | None = None
-    """The run's private folder, which the router removes if nobody else can."""
+    """The run's private folder, which the router removes if no launcher is left to do it."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
     ghost: bool = False
-    """Whether people may have another controller fly beside this one."""
+    """Whether the run has a ghost process, for comparisons with another controller."""
     token: str | None = None
-    """That browsers must bring; None on loopback."""
+    """Token that browsers must send; None on loopback."""
 
 
 def programs(plan: Plan, scenario: Scenario) -> list[Program]:

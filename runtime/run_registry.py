@@ -1,4 +1,4 @@
-"""The live runs of this machine: a private folder each, with the router's socket and who leads it."""
+"""The live runs of this machine: a private folder each, with the router's socket and the launcher's entry."""
 
 import contextlib
 import json
@@ -13,11 +13,11 @@ from formation.errors import EchelonError, unknown
 from network.run_folder import VARIABLE, lock, remove
 
 RECORD = "run.json"
-"""In a run's folder: what others need to know of it."""
+"""File in a run's folder: what other commands need to know of the run."""
 PATIENCE_SECONDS = 0.5
-"""How long a lock on the wished name is waited for."""
+"""Longest wait for the lock of a run's name [s]."""
 SOCKET_PATH_LIMIT = 107
-"""Bytes that the path of a unix socket may have."""
+"""Longest path of a unix socket [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,18 +26,18 @@ class Run:
 
     name: str
     pid: int
-    """Of its launcher."""
+    """Process id of its launcher."""
     endpoint: str
-    """Its router's."""
+    """Endpoint of its router."""
     page: str
     """Address of its dashboard; empty if it has none."""
 
 
 def folder() -> Path:
-    """Where this user's runs are: $ECHELON_RUNS, or a folder for temporary files of the user's own.
+    """Folder of this user's runs: $ECHELON_RUNS, or a private one among the temporary files.
 
     Raises:
-        EchelonError: it is somebody else's, or not a folder.
+        EchelonError: it belongs to another user, or is not a folder.
     """
     given = os.environ.get(VARIABLE)
     base = Path(given) if given else Path(tempfile.gettempdir()) / f"echelon-{os.getuid()}"
@@ -48,7 +48,7 @@ def folder() -> Path:
 
 
 class Claim:
-    """A name taken for a run; while it is held, nobody else can take it. Use as a context manager."""
+    """A claimed name of a run; while it is held, no other process can claim it. Use as a context manager."""
 
     def __init__(self, name: str, *, page: str = "") -> None:
         """Take the name.
@@ -66,7 +66,7 @@ class Claim:
         (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
 
     def _take(self) -> IO[bytes]:
-        """The lock; somebody who looks whether the run lives may hold it for a moment."""
+        """The lock; a process that checks whether the run is live may hold it for a moment."""
         until = monotonic() + PATIENCE_SECONDS
         while True:
             try:
@@ -89,7 +89,7 @@ class Claim:
 
 
 def live() -> list[Run]:
-    """The runs of this user whose launcher lives, by name. What killed ones left behind is removed."""
+    """The runs of this user whose launcher is alive, by name. Folders of killed ones are removed."""
     found = []
     try:
         paths = sorted(path for path in folder().iterdir() if path.is_dir())
@@ -99,7 +99,7 @@ def live() -> list[Run]:
         held = lock(path)
         if held is not None and (path / RECORD).exists():
             remove(path, held)
-        elif held is not None:  # somebody is just claiming it
+        elif held is not None:  # another process is just claiming it
             held.close()
         else:
             with contextlib.suppress(OSError, ValueError, TypeError):
@@ -127,6 +127,6 @@ def find(name: str | None) -> Run:
 
 
 def free_name(wish: str) -> str:
-    """The wish, or the wish with the first number that is not in use."""
+    """The requested name, or that name with the first number that is not in use."""
     taken = {run.name for run in live()}
     return next(name for name in (wish, *(f"{wish}-{n}" for n in range(2, 10_000))) if name not in taken)

@@ -1,4 +1,4 @@
-"""Starts the processes of a run, brings back those that die, and leaves none behind."""
+"""Starts the processes of a run, restarts those that die, and leaves none behind."""
 
 import importlib
 import multiprocessing
@@ -16,11 +16,11 @@ from formation.errors import EchelonError
 from runtime.process_list import Program
 
 STOP_SECONDS = 3.0
-"""From asking a process to end to ending it."""
+"""Time from SIGTERM to SIGKILL [s]."""
 RESTART_SECONDS = 0.2
-"""A process that died is started again so much later."""
+"""Delay before a dead process is started again [s]."""
 MAX_DEATHS, DEATH_WINDOW = 5, 10.0
-"""A process that dies more often within the window [s] is given up, and the run with it."""
+"""A process that dies more often than this within the window [s] ends the run."""
 _ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
 ENVIRONMENT = {
     **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"),
@@ -36,11 +36,11 @@ class Supervisor:
     """The processes of one run."""
 
     def __init__(self, run: str, tell: Callable[[str], None]) -> None:
-        """No process yet.
+        """Without any process yet.
 
         Args:
             run: its name, for the processes' titles.
-            tell: told a line when a process dies and comes back.
+            tell: called with a line for the user when a process dies and is restarted.
         """
         for variable, value in ENVIRONMENT.items():
             os.environ.setdefault(variable, value)
@@ -77,7 +77,7 @@ class Supervisor:
             self._tell(f"{program.name} killed, as asked")
 
     def watch(self, seconds: float) -> int | None:
-        """Look after the processes for some time. Returns the world's exit code once it has ended by itself.
+        """Supervise the processes for some time. Returns the world's exit code once it has ended by itself.
 
         Raises:
             EchelonError: a process died again and again.
@@ -110,7 +110,7 @@ class Supervisor:
         self._tell(f"{program.name} ended ({_cause(code)}): starting it again")
 
     def stop(self) -> None:
-        """End every process: those that hear first, the router last, whoever does not listen by force."""
+        """End every process: the router's clients first, the router last, by SIGKILL those that do not end."""
         self._again.clear()
         last = [program for program in self._running if program.role == "router"]
         first = [program for program in self._running if program.role != "router"]
@@ -132,6 +132,6 @@ def _cause(code: int) -> str:
 
 
 def _enter(module: str, arguments: tuple[str, ...], title: str) -> None:
-    """The life of one process, in a child of the fork server."""
+    """Entry of one process, in a child of the fork server."""
     setproctitle(title)
     sys.exit(importlib.import_module(f"{module}.__main__").main(list(arguments)))

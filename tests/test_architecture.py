@@ -41,9 +41,10 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "topics", "lifetime", "throttled_log", "run_folder"},
+        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"topics"},
         {"codec", "control", "link"},
-        {"zenoh_bus"},
+        {"zenoh_bus", "reference"},
         {"health", "__main__"},
     ],
     "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],

@@ -9,13 +9,14 @@ from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
+from network.messages import Mode
 from network.zenoh_bus import Session
 from world.process import WorldNode
-from world.world import Mode, World
+from world.world import World
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Drive the world until told to end."""
+    """Step the world until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m world", description=__doc__)
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
@@ -23,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, not in lockstep")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second; 0: as fast as possible")
-    parser.add_argument("--endless", action="store_true", help="fly closed paths on past the scenario's duration")
+    parser.add_argument("--endless", action="store_true", help="continue closed paths past the scenario's duration")
     parser.add_argument("--paused", action="store_true", help="wait for a start command")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)

@@ -1,4 +1,4 @@
-"""Which fault is on which link, at which tick: the scenario's own, its schedule, and what people set live."""
+"""The fault of every link at every tick: the scenario's own, its schedule, and what users set live."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -11,14 +11,14 @@ from formation.faults import PERFECT, Fault, ScheduledFault, every_link, links_n
 from formation.scenario.scenario import Scenario
 
 KEPT_CHANGES = 5000
-"""Tables of faults that a flight remembers, for those who fly it again beside it."""
+"""Fault tables that are kept of an episode, for a ghost that repeats it."""
 TOLD_CHANGES = 25
-"""Of these in one answer: it then fits into a message even if all links of 64 robots have every key set."""
+"""Tables in one reply: it fits into a message even if all links of 64 robots have every key set."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Wish:
-    """What a person set on one link."""
+    """A fault that a user set on one link."""
 
     link: str
     changes: dict[str, Any]
@@ -28,24 +28,24 @@ class _Wish:
 
 @dataclass(slots=True)
 class FaultState:
-    """The faults in force. Later layers win: [link], then the schedule, then what people set, in that order."""
+    """The faults in force. Later layers win: [link], then the schedule, then what users set, in that order."""
 
     scenario: Scenario
     table: Mapping[str, Fault] = field(default_factory=dict)
     """Every link that is not perfect."""
     _wishes: list[_Wish] = field(default_factory=list)
     _cancelled: set[tuple[int, str]] = field(default_factory=set)
-    """Scheduled faults (by index) that people ended on a link."""
+    """Scheduled faults (by index) that users ended on a link."""
     _active: tuple[int, ...] | None = None
-    """Scheduled faults that the table was made of; None if it must be made anew."""
+    """Scheduled faults that the table was computed from; None if it must be computed anew."""
     _imposed: Mapping[str, Fault] | None = None
-    """In a world that repeats another's faults: the table."""
+    """In a world that repeats another's faults: their table."""
     changes: int = 0
-    """How many tables there have been in this flight."""
+    """Number of tables in this episode so far."""
     _history: deque[tuple[float, Mapping[str, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
 
     def update(self, now: float) -> list[str]:
-        """Bring the table to time `now` [s]. Returns a line per link that changed."""
+        """Update the table to time `now` [s]. Returns a line per link that changed."""
         wishes = [wish for wish in self._wishes if wish.until is None or now < wish.until - 1e-9]
         active = tuple(i for i, entry in enumerate(self.scenario.faults) if _on(entry, now))
         if active == self._active and len(wishes) == len(self._wishes):
@@ -87,7 +87,7 @@ class FaultState:
         self._active = None
 
     def _merge(self) -> None:
-        """Let neighbouring lasting wishes on a link be one, so that a moved slider does not pile them up."""
+        """Merge consecutive lasting changes of a link, so that a moved slider does not accumulate them."""
         merged: list[_Wish] = []
         for wish in self._wishes:
             last = next((i for i in range(len(merged) - 1, -1, -1) if merged[i].link == wish.link), None)
@@ -98,9 +98,9 @@ class FaultState:
         self._wishes = merged
 
     def clear(self, link: str, now: float) -> None:
-        """Take back what people set on a link, or on every link ("all"), and end what the schedule has on now.
+        """Remove what users set on a link, or on every link ("all"), and end the scheduled faults that are active now.
 
-        What the scenario's [link] says stays: it is how its links are.
+        The scenario's [link] stays.
 
         Raises:
             FaultError: no such link.
@@ -113,22 +113,22 @@ class FaultState:
         self._active = None
 
     def impose(self, table: Mapping[str, Fault]) -> None:
-        """Have exactly these faults from now on, whatever is scheduled: another world's."""
+        """Use exactly these faults of another world from now on, whatever is scheduled."""
         self._imposed, self._active = table, None
 
     def since(self, known: int) -> list[tuple[float, Mapping[str, Fault]]]:
-        """The tables of this flight from number `known` on, TOLD_CHANGES at most, each with the time of its start [s].
+        """The tables of this episode from number `known` on, at most TOLD_CHANGES, each with the time of its start [s].
 
         Raises:
             FaultError: they are no longer kept.
         """
         forgotten = self.changes - len(self._history)
         if known < forgotten:
-            raise FaultError(f"expected at most {KEPT_CHANGES} changes of faults in a flight; got {self.changes}")
+            raise FaultError(f"expected at most {KEPT_CHANGES} changes of faults in an episode; got {self.changes}")
         return list(islice(self._history, known - forgotten, known - forgotten + TOLD_CHANGES))
 
     def restart(self) -> None:
-        """Time begins anew: the schedule is whole again; what people set without an end stays."""
+        """Start a new episode: the whole schedule applies again; what users set without an end stays."""
         self._cancelled.clear()
         self._wishes = [wish for wish in self._wishes if wish.until is None]
         self._active = None

@@ -1,4 +1,4 @@
-"""Which agents are there: they come, die, hang, and come back, and so does the router between them and the world."""
+"""Which agents are live: agents, and the router between them and the world, may join, die, hang and return."""
 
 from time import monotonic
 
@@ -7,9 +7,9 @@ from network.zenoh_bus import Session
 from world.world import World
 
 SUSPECT_SECONDS = 0.05
-"""From an agent's disappearance to the verdict: if the router died, all disappear within some milliseconds."""
+"""Time from an agent's disappearance to its loss [s]; if the router died, all disappear within some milliseconds."""
 RETURN_SECONDS = 3.0
-"""How long agents are waited for after the router came back."""
+"""Longest wait for the agents after the router came back [s]."""
 
 
 class AgentPresence:
@@ -23,11 +23,11 @@ class AgentPresence:
         self._dismissed: set[int] = set()
         self._returning: set[int] = set()
         self.launcher = False
-        """Whether somebody is there who ends and starts agents."""
+        """Whether there is a launcher, which ends and starts agents."""
 
     @property
     def dismissed(self) -> list[int]:
-        """Robots whose agents the launcher is to keep down."""
+        """Robots whose agents the launcher keeps down."""
         return sorted(self._dismissed & set(self._world.robots))
 
     def dismiss(self, robot: int, *, for_good: bool) -> None:
@@ -35,7 +35,7 @@ class AgentPresence:
 
         Args:
             robot: whose agent.
-            for_good: whether it stays down until `readmit`; else it may come back as soon as it is gone.
+            for_good: whether it stays down until `readmit`; else the launcher restarts it at once.
 
         Raises:
             EchelonError: there is no such robot, or no launcher.
@@ -45,12 +45,12 @@ class AgentPresence:
             self._returning.discard(robot)
         elif robot in self._present:
             self._returning.add(robot)
-        else:  # the launcher is about to bring it back anyway
+        else:  # the launcher restarts it anyway
             return
         self._dismissed.add(robot)
 
     def readmit(self, robot: int) -> bool:
-        """Have the launcher start an agent again. Whether it was kept down. Raises EchelonError like `dismiss`."""
+        """Have the launcher start an agent again; whether it was kept down. Raises EchelonError like `dismiss`."""
         self._check(robot)
         kept = robot in self._dismissed - self._returning
         if kept:
@@ -72,17 +72,17 @@ class AgentPresence:
         return sorted(set(self._world.robots) - self._world.live)
 
     def appear(self, robot: int) -> None:
-        """An agent's token is there."""
+        """An agent's token has appeared."""
         self._present.add(robot)
         self.gain(robot)
 
     def disappear(self, robot: int) -> None:
-        """An agent's token is gone; `settle` decides a moment later."""
+        """An agent's token has disappeared; `settle` decides a moment later."""
         self._present.discard(robot)
         self._suspects[robot] = monotonic() + SUSPECT_SECONDS
 
     def settle(self) -> None:
-        """Agents that have been gone for a moment are lost, unless it was the router that has gone."""
+        """Count agents that disappeared a moment ago as lost, unless it was the router that disappeared."""
         now = monotonic()
         for robot in [robot for robot, at in self._suspects.items() if now >= at]:
             del self._suspects[robot]
@@ -93,24 +93,24 @@ class AgentPresence:
                     self._dismissed.discard(robot)
 
     def gain(self, robot: int) -> None:
-        """An agent is there, or answers again."""
+        """Count an agent as live: it has joined, or answers again."""
         world = self._world
         if robot in world.robots and robot not in world.live and robot in self._present:
             world.live.add(robot)
             world.event("agent", f"agent {robot} is here")
 
     def lose(self, robot: int, why: str) -> None:
-        """The run goes on without an agent."""
+        """Continue the run without an agent."""
         if robot in self._world.live:
             self._world.live.discard(robot)
             self._world.event("agent", f"agent {robot} {why}")
 
     def recall(self) -> None:
-        """Another scenario begins: who is there is in."""
+        """Another scenario begins: every agent with a token is live."""
         self._world.live = self._present & set(self._world.robots)
 
     def reachable(self) -> bool:
-        """Whether the router is there, and agents had time to come back if it was not."""
+        """Whether the router is reachable, and the agents had time to reconnect after an outage."""
         now, world = monotonic(), self._world
         if not self._session.connected:
             if self._router_lost is None:

@@ -1,10 +1,10 @@
-"""The wall clock of a run: when the next tick is due, how fast it really goes, how long the flight took."""
+"""The wall clock of a run: when the next tick is due, the real pace, the wall time of the episode."""
 
 from collections import deque
 from time import monotonic
 
 CATCH_UP_SECONDS = 0.2
-"""A pace that fell behind by more is not made up for."""
+"""A delay beyond this is not made up for [s]."""
 
 
 class Rate:
@@ -25,20 +25,20 @@ class Rate:
 
     @property
     def wall(self) -> float:
-        """Wall-clock time from the flight's first tick to its newest [s]."""
+        """Wall-clock time from the episode's first tick to its newest [s]."""
         return self._ended - self._began
 
     def hold(self) -> None:
-        """Time stands still: nothing is to be caught up later."""
+        """Simulated time stands still: forget the schedule, so that no tick is made up for later."""
         self._due = monotonic()
 
     def begin(self, k: int) -> None:
-        """Tick k goes out."""
+        """Note that tick k is sent."""
         if k == 0:
             self._began = monotonic()
 
     def end(self) -> None:
-        """The tick is done."""
+        """Note that the tick is complete."""
         self._ended = monotonic()
 
     def next(self, interval: float) -> None:

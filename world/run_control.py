@@ -1,4 +1,4 @@
-"""What people have ordered of a run, and doing it."""
+"""The operations that users request of a run: state of the run, and their execution."""
 
 from typing import Any
 
@@ -19,22 +19,22 @@ _SHARED_KEYS = ("horizon", "prediction_interval", "plan_every", "age_plans")
 
 
 class RunControl:
-    """Whether to run, and for how many ticks; changes what people ask to be changed."""
+    """Whether to run, and for how many ticks; carries out the requested operations."""
 
     def __init__(self, world: World, pace: Rate, roster: AgentPresence, *, go: bool) -> None:
         self._world, self._pace, self._roster = world, pace, roster
         self._go = go
         self._ticks_left = 0  # of a Step
         self.stop = False
-        """Whether the run shall end."""
+        """Whether a user has asked the run to end."""
         self.compare = ""
-        """Controller that a ghost shall fly; empty for none."""
+        """Controller of the requested ghost; empty for none."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
     @property
     def status(self) -> RunStatus:
-        """What the run does now."""
+        """The run's status now."""
         world = self._world
         if world.finished:
             return "finished"
@@ -45,18 +45,18 @@ class RunControl:
 
     @property
     def active(self) -> bool:
-        """Whether the next tick may go out."""
+        """Whether the next tick may be sent."""
         return self.status == "running" or (self.status == "paused" and self._ticks_left > 0)
 
     def note_tick(self) -> None:
-        """A tick has passed."""
+        """Count a tick."""
         self._ticks_left = max(0, self._ticks_left - 1)
 
     def obey(self, operation: Operation) -> dict[str, Any]:
-        """Do it; the value is the reply's.
+        """Carry out the operation; the value is the reply's.
 
         Raises:
-            EchelonError: it cannot be done; the text says why.
+            EchelonError: it cannot be done; the text gives the reason.
         """
         world = self._world
         match operation:
@@ -80,7 +80,7 @@ class RunControl:
             case control.Clear(link=link):
                 world.clear_faults(link)
             case control.UseScenario(scenario=name, settings=settings):
-                if name not in shipped():  # a client names a scenario, it does not have files read
+                if name not in shipped():  # a client may name a shipped scenario, but not a file of this machine
                     raise ScenarioError(unknown("scenario", name, shipped()))
                 self._use(load(name, settings))
             case control.UseController(controller=name):
@@ -119,7 +119,7 @@ class RunControl:
 
 
 def with_controller(scenario: Scenario, name: str) -> Scenario:
-    """The scenario with another controller; weights and switches of the one before do not fit and are left out.
+    """The scenario with another controller; the weights and switches of the previous one are left out.
 
     Raises:
         ScenarioError: there is no such controller; the text lists them.

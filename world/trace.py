@@ -1,4 +1,4 @@
-"""What happened, tick by tick, and the summary that `echelon run` prints of it."""
+"""The recorded episode, tick by tick, and the summary that `echelon run` prints of it."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from network.messages import Command, Event, LinkCounts
 
 
 class Trace:
-    """Poses, ages and solve times of one flight of known length."""
+    """Poses, ages and solve times of one episode of known length."""
 
     def __init__(self, scenario: Scenario, ticks: int) -> None:
         self._scenario = scenario
@@ -26,15 +26,15 @@ class Trace:
 
     @property
     def full(self) -> bool:
-        """Whether the flight has reached its last tick."""
+        """Whether the episode has reached its last tick."""
         return self._done == len(self._ages)
 
     def start(self, poses: FloatArray) -> None:
-        """Where the robots (n, 3) are at t = 0."""
+        """Record the poses (n, 3) at t = 0."""
         self._poses[0] = poses
 
     def add(self, poses: FloatArray, inputs: FloatArray, commands: Mapping[int, Command]) -> None:
-        """A tick has passed; here are the poses (n, 3) after it, the inputs (n, 2) told to the wheels, the answers."""
+        """Record a tick: the poses (n, 3) after it, the commanded inputs (n, 2), the agents' commands."""
         k = self._done
         for robot, command in commands.items():
             self._ages[k, robot - 1] = command.age
@@ -56,7 +56,7 @@ class Trace:
 
     @property
     def inputs(self) -> FloatArray:
-        """(T, n, 2) what the wheels were told, tick by tick [m/s, rad/s]."""
+        """(T, n, 2) commanded inputs, tick by tick [m/s, rad/s]."""
         return self._inputs[: self._done]
 
     @property
@@ -76,7 +76,7 @@ class Trace:
     def summary(
         self, counts: Mapping[str, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
     ) -> dict[str, Any]:
-        """The figures of the flight so far (DESIGN section 6), with numbers rounded nowhere.
+        """The summary of the episode so far (docs/design.md, section 8), without rounding.
 
         Args:
             counts: by link.

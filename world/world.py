@@ -1,11 +1,11 @@
-"""The world without any I/O: a tick out, commands in, one step; and what people may ask of it.
+"""The world without any I/O: a tick out, commands in, one step; and the operations of its users.
 
-It reads no clock. Who drives it (runtime/inprocess.py, world/process.py) decides when the next tick is due.
+It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides when the next tick is due.
 """
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,30 +18,28 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
-from network.messages import WORLD, Command, Event, LinkCounts, RunStatus, Setup, State, Status, Tick
+from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
 from world.bodies.unicycle import Plant
 from world.faults import FaultState
 from world.trace import Trace
 
-Mode = Literal["lockstep", "realtime"]
-
 WATCHDOG = 0.2
-"""A robot to which no new command has come for so long stops [s], as a real base controller makes it."""
+"""A robot without a new command for this long stops [s], as with a real base controller."""
 SHOWN_EVENTS = 40
 KEPT_EVENTS = 5000
 
 
 class World:
-    """Bodies, links to them, faults, events and figures of one run; `reset` starts another flight of it."""
+    """Bodies, links to them, faults, events and trace of one run; `reset` starts a new episode."""
 
     def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
-        """A world at the start of a flight.
+        """A world at the start of an episode.
 
         Args:
-            scenario: what is flown.
-            episode: number of the flight, put into every message.
-            endless: fly on past the duration, if the path is closed; then no figures are kept.
-            mode: "lockstep" or "realtime", for people to see.
+            scenario: of the run.
+            episode: its number, put into every message.
+            endless: continue past the duration, if the path is closed; then no trace is kept.
+            mode: "lockstep" or "realtime", for displays.
         """
         self.episode, self.mode = episode, mode
         self._endless_wish = endless
@@ -53,7 +51,7 @@ class World:
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
     def _begin(self) -> None:
-        """A new flight of the scenario from its start."""
+        """Begin an episode of the scenario."""
         scenario = self._scenario
         self.k = 0
         self._earlier_events = self._event_count
@@ -76,7 +74,7 @@ class World:
         self._tick: Tick | None = None
         self._set_link_faults()
 
-    # ------------------------------------------------------------------ what it is
+    # ------------------------------------------------------------------ state
 
     @property
     def scenario(self) -> Scenario:
@@ -94,13 +92,13 @@ class World:
 
     @property
     def finished(self) -> bool:
-        """Whether the flight has reached its duration."""
+        """Whether the episode has reached its duration."""
         return not self.endless and self.k >= self._scenario.ticks
 
     # ------------------------------------------------------------------ stepping
 
     def tick(self) -> Tick:
-        """What the agents are told now; the same message until `advance`."""
+        """The Tick of now; the same message until `advance`."""
         if self._tick is None:
             self._tick = Tick(
                 sender=WORLD,
@@ -115,7 +113,7 @@ class World:
         return self._tick
 
     def advance(self, commands: Mapping[int, Command]) -> None:
-        """One tick on, with the commands that came in for this one."""
+        """Step by one tick, with the commands that were received for this one."""
         now = self.now
         for robot in self.robots:
             command = commands.get(robot)
@@ -170,12 +168,12 @@ class World:
         for robot, link in self._links.items():
             link.fault = self.faults.table.get(f"{robot}->world", PERFECT)
 
-    # ------------------------------------------------------------------ what people ask
+    # ------------------------------------------------------------------ operations of users
 
     def reset(self) -> None:
-        """Start the flight again; faults that people set without an end stay."""
+        """Start a new episode; faults that users set without an end stay."""
         overrides = self.faults
-        self._next_flight()
+        self._next_episode()
         overrides.restart()
         overrides.update(0.0)
         self.faults = overrides
@@ -183,12 +181,12 @@ class World:
         self.event("run", "reset")
 
     def use(self, scenario: Scenario) -> None:
-        """Fly another scenario from its start, without the faults that people set."""
+        """Start an episode of another scenario, without the faults that users set."""
         self._scenario = scenario
-        self._next_flight()
+        self._next_episode()
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
-    def _next_flight(self) -> None:
+    def _next_episode(self) -> None:
         self.episode += 1
         self.revision += 1
         live = self.live
@@ -201,31 +199,31 @@ class World:
         self._apply_faults()
 
     def clear_faults(self, link: str) -> None:
-        """Take back what people set on a link, or on "all", from the next tick on. Raises FaultError."""
+        """Remove what users set on a link, or on "all", from the next tick on. Raises FaultError."""
         self.faults.clear(link, self.now)
         self._apply_faults()
 
     def impose_faults(self, table: Mapping[str, Fault]) -> None:
-        """Have exactly these faults from the next tick on: this world repeats another's."""
+        """Use exactly these faults from the next tick on: this world repeats another's."""
         self.faults.impose(table)
         self._apply_faults()
 
     def event(self, kind: Any, text: str) -> None:
-        """Note something for people."""
+        """Add an event to the log."""
         self._event_count += 1
         self.events.append(Event(self._event_count, self.now, kind, text))
 
     def hear(self, status: Status) -> None:
-        """An agent says how it is doing."""
+        """Take an agent's Status."""
         if status.episode == self.episode and status.sender in self.robots:
             self.statuses[status.sender] = status
             if (
                 status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}"
-            ):  # a peer may say anything
+            ):  # a peer may send anything
                 self.counts[status.link] = status.counts
 
     def setup(self) -> Setup:
-        """What is flown, for agents and people that ask."""
+        """The Setup of now, for agents and displays."""
         return Setup(
             sender=WORLD,
             seq=self.revision,
@@ -241,11 +239,11 @@ class World:
         return {link: fault.plain() for link, fault in self.faults.table.items()}
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
-        """The figures of the flight so far; empty for an endless one."""
+        """The summary of the episode so far; empty for an endless one."""
         links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
-        return self.trace.summary(links, self._events_of_flight(), warmup=warmup) if self.trace else {}
+        return self.trace.summary(links, self._events_of_episode(), warmup=warmup) if self.trace else {}
 
-    def _events_of_flight(self) -> list[Event]:
+    def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]
 
     def state(
@@ -261,7 +259,7 @@ class World:
         dismissed: Iterable[int] = (),
         compare: str = "",
     ) -> State:
-        """Everything that is worth showing; the arguments are what only the driver knows."""
+        """The State of now; the arguments are what only its process knows."""
         block = self._reference.block(self.k)
         row = self.k - block.first
         centre: FloatArray = block.centre[row, :3]

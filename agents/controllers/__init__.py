@@ -1,1 +1,1 @@
-"""The controllers: what they are given, what they return, and each of them."""
+"""The controllers: their interface, their registry, and a module for each."""

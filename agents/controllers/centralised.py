@@ -1,10 +1,10 @@
-"""Controller `centralised`: one mind plans for all robots with perfect knowledge, the bound for `nash`.
+"""Controller `centralised`: one planner for all robots, which knows their true poses; a reference, not a bound.
 
 At every planning tick it sees the true poses of all robots and minimises the sum over the ring of the costs J_i that
 `nash` plays for, jointly, to convergence and within the limits. No plans of the same horizon cost less in that sum;
 a controller with other aims may still hold the pattern better and the path worse. For robots that cannot keep up it
-waits by the rule of agents/controllers/progress.py, with one lag for all. What its agents send each other is used by
-nobody. It exists within one process only (runtime/inprocess.py).
+waits by the rule of agents/controllers/progress.py, with one lag for all. The plans that its agents exchange are not
+used. It runs in one process only (runtime/inprocess.py). docs/theory.md, section 7 says why it is not a bound.
 """
 
 import math
@@ -27,7 +27,7 @@ TOLERANCE = 1e-6
 
 
 class Team:
-    """The mind of all robots of one flight; the first who asks at a tick has it think, for everybody."""
+    """The planner of all robots for one episode. The first member that asks at a tick triggers the solve for all."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._pairs = [Pair(scenario, robot) for robot in range(1, scenario.size + 1)]
@@ -39,7 +39,7 @@ class Team:
         self._plan: tuple[int, FloatArray, bool] | None = None
 
     def see(self, k: int, poses: FloatArray) -> None:
-        """The true poses (n, 3) at tick k, before anybody plans."""
+        """Set the true poses (n, 3) of tick k, before any member plans."""
         self._now = (k, np.array(poses, dtype=float))
 
     def member(self, robot: int) -> "Member":

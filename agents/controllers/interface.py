@@ -1,4 +1,4 @@
-"""What a controller is given at a planning tick, what it returns, and the interface between them."""
+"""The interface of a controller: its observation at a planning tick, and its solution."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -21,7 +21,7 @@ class NeighborEstimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Where robot i stands, at tick k, beside what it believes of its upstream neighbour."""
+    """The own pose of robot i at tick k, and its estimate of the upstream neighbour."""
 
     k: int
     pose: FloatArray
@@ -31,14 +31,14 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """What a controller decided."""
+    """A controller's result."""
 
     inputs: FloatArray
     """(N, 2) inputs over the horizon [m/s, rad/s]."""
     converged: bool = True
     """False if the solver failed and the inputs are a fallback."""
     lag: float = 0.0
-    drift: float = 0.0
+    lag_rate: float = 0.0
     """As in network.messages.Plan."""
 
 

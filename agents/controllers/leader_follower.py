@@ -56,10 +56,10 @@ class Follower:
 
 
 class Leader:
-    """Robot 1: `nash` with a neighbour that is always in its slot, so that nobody holds the leader back."""
+    """Robot 1: `nash` with a neighbour that is always in its slot, so that the leader waits for no robot."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for nobody: it hears of nobody
+        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for no robot: it uses no plan
 
     def plan(self, situation: Observation) -> Solution:
         slot, tail = self._pair.slot(situation.k, 1)

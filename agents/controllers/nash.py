@@ -1,6 +1,6 @@
 """Controller `nash`: robot i plays the pair's game on the exact model, and its own part of the equilibrium.
 
-THEORY section 5. One Gauss-Newton step per plan, warm-started from the own last plan and the aged plan of the
+docs/theory.md, section 5. One Gauss-Newton step per plan, warm-started from the own last plan and the aged plan of the
 neighbour; both players are improved, only the own half is kept and sent.
 """
 
@@ -57,7 +57,7 @@ class Game:
         return self._improve(k, poses, inputs, self._r, None)
 
     def gap(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
-        """Nash gap of the robot: how much it could lower J_i alone, given the neighbour's inputs (THEORY section 6).
+        """Nash gap of the robot: how much it could lower J_i alone (docs/theory.md, section 5).
 
         Args:
             k: tick.
@@ -85,7 +85,7 @@ class Game:
         return float(cost(poses, inputs, *self._task(k, None), self._r))
 
     def _task(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
-        """What both kernels are told of the task at tick k, in their order: slots, targets, dt, q."""
+        """Arguments of both kernels for the task at tick k, in their order: slots, targets, dt, q."""
         ahead = self._pair.ahead(k)
         return ahead.slots, ahead.inputs if targets is None else targets, self._pair.interval, self._q
 
@@ -119,4 +119,4 @@ class Nash:
         self._last = (k, own)
         if self._progress:
             self._progress.planned(situation.pose, own)
-        return Solution(own, converged, pair.lag, self._progress.drift if self._progress else 0.0)
+        return Solution(own, converged, pair.lag, self._progress.lag_rate if self._progress else 0.0)

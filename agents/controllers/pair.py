@@ -12,7 +12,7 @@ from formation.reference import Block, Reference
 from formation.scenario.scenario import Scenario
 
 AS_PRINTED = ("paper", "leader_follower")
-"""Controllers that follow the paper's references, jumps and all."""
+"""Controllers that follow the paper's references, including their jumps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

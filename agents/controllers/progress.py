@@ -1,13 +1,14 @@
-"""Stick together: how far a robot is behind the clock along its path, agreed on round the ring.
+"""Waiting: how far a robot's reference time is behind the clock, shared round the ring (docs/theory.md, section 6).
 
-A robot's reference is the scenario's at its own reference time, t - lag. Who falls behind its slot because it does not
-move as it planned holds its reference time back; it says so in its next plan (`lag`, and `drift`, at which rate it lets
-its lag change), and who receives that holds back as well. Once everybody is in place again, all lags are worked off
-together, as fast as the robots' limits allow. Without trouble every lag is exactly zero, and the reference is the
-scenario's. (Who is behind for another reason, say a corner that nobody can follow, only gets worse by standing still.)
+A robot's reference is the scenario's at its own reference time, t - lag. A robot that falls behind its slot because it
+does not move as it planned holds its reference time back and sends this in its next plan (`lag`, and `lag_rate`, the
+rate at which it changes its lag by itself); a robot that receives it holds back as well. Once all are in place again,
+they reduce their lags together, as fast as their limits allow. If no robot falls behind, every lag is exactly zero, and
+the reference is the scenario's. (A robot that is behind for another reason, such as a corner that it cannot follow,
+would lose by waiting.)
 
-A lag is only ever pulled up to one that a robot had, plus what that robot itself was about to add while its plan
-travelled. What a robot adds because it was pulled is not extrapolated: round a ring, with delays, that would feed
+A lag is only ever pulled up to one that another robot had, plus what that robot itself was about to add while its plan
+travelled. What a robot adds because it was pulled is not extrapolated: round a ring with delays that would amplify
 itself.
 """
 
@@ -21,30 +22,30 @@ from formation.arrays import FloatArray
 from network.messages import Plan
 
 FREE = 0.05
-"""A robot may be so many spacings behind its slot before it holds its reference time back."""
+"""A robot holds its reference time back from this many spacings behind its slot on."""
 WIDTH = 0.05
-"""So many spacings further behind, its reference time stands still."""
+"""This many spacings further behind, its reference time stands still."""
 PULL = 20.0
-"""How fast a lag is pulled up to the neighbour's [1/s]."""
+"""Rate at which a lag is pulled up to the neighbour's [1/s]."""
 REVERSE = 1.0
-"""A pulled robot's reference time runs backwards at most this fast."""
+"""Largest rate at which a pulled robot's reference time runs backwards."""
 HASTE = 0.5
-"""Lags are worked off at most at this rate."""
+"""Largest rate at which a lag is reduced."""
 MARGIN = 0.95
-"""Share of the speed limit that may be used for working off a lag."""
+"""Share of the speed limit that is used to reduce a lag."""
 SETTLE = 1.0
-"""Time constant with which the last of a lag is worked off [s]."""
+"""Time constant of the last part of a lag's reduction [s]."""
 MEMORY = 2.0
-"""Time constant with which a robot forgets that it did not move as planned [s]."""
+"""Time constant with which a shortfall against the own plan decays [s]."""
 LEAST = 1e-4
-"""A lag below this is none [s]."""
+"""A lag below this is set to zero [s]."""
 
 
 class Progress:
     """The lag of one robot, from planning tick to planning tick."""
 
     def __init__(self, pair: Pair, spacing: float) -> None:
-        """A robot on time.
+        """A robot without a lag.
 
         Args:
             pair: its task.
@@ -54,8 +55,8 @@ class Progress:
         self._k = 0
         self._short = 0.0
         self._planned: tuple[FloatArray, FloatArray] | None = None
-        self.drift = 0.0
-        """Rate at which the robot itself lets its lag change."""
+        self.lag_rate = 0.0
+        """Rate at which the robot changes its lag by itself; as in Plan."""
 
     def update(self, k: int, pose: FloatArray, plan: Plan | None) -> None:
         """Bring the pair's lag and pace to tick k.
@@ -71,8 +72,8 @@ class Progress:
         forward = math.copysign(1.0, speed)
         behind = min(forward * _along(slot[2], slot - pose), forward * self._shortfall(pose, elapsed))
         hold = min(max((behind / self._spacing - FREE) / WIDTH, 0.0), 1.0)
-        self.drift = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
-        change = elapsed * self.drift
+        self.lag_rate = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
+        change = elapsed * self.lag_rate
         ahead = self._others(k, plan) - pair.lag
         if ahead > 0.0:
             change += min(PULL * elapsed, 1.0) * ahead
@@ -83,11 +84,11 @@ class Progress:
         pair.lag, pair.pace = lag, min(max(pace, 0.0), 1.0 + HASTE)
 
     def planned(self, pose: FloatArray, inputs: FloatArray) -> None:
-        """What the robot is going to do from its pose (3,) now: inputs (N, 2)."""
+        """Record the new plan: inputs (N, 2) from the pose (3,) now."""
         self._planned = pose, inputs
 
     def _shortfall(self, pose: FloatArray, elapsed: float) -> float:
-        """By how much it did not get as far as it had planned, lately [m]."""
+        """By how much it moved less than planned, with a memory of MEMORY seconds [m]."""
         self._short *= math.exp(-elapsed / MEMORY)
         if self._planned is not None:
             expected = np.empty(3)
@@ -96,15 +97,15 @@ class Progress:
         return self._short
 
     def _haste(self, speed: float) -> float:
-        """Rate at which the own limits allow to work a lag off, from the speed of the slot [m/s]."""
+        """Rate at which the own limits allow to reduce a lag, from the speed of the slot [m/s]."""
         return min(max(MARGIN * float(self._pair.limits[0]) / max(abs(speed), 1e-9) - 1.0, 0.0), HASTE)
 
     def _others(self, k: int, plan: Plan | None) -> float:
-        """The neighbour's lag by now, as far as its newest plan tells."""
+        """The neighbour's lag now, extrapolated from its newest plan [s]."""
         if plan is None:
             return 0.0
         age = k * self._pair.tick - plan.stamp
-        return plan.lag + plan.drift * age if age < len(plan.inputs) * plan.interval else 0.0
+        return plan.lag + plan.lag_rate * age if age < len(plan.inputs) * plan.interval else 0.0
 
 
 def _along(theta: float, gap: FloatArray) -> float:

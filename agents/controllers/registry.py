@@ -15,7 +15,7 @@ def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
     """The scenario's controller for one robot; the scenario has checked its name.
 
     Raises:
-        ScenarioError: the controller is one mind for all robots, which no robot can have for itself.
+        ScenarioError: the controller plans for all robots in one process, so no single agent can run it.
     """
     match scenario.controller.name:
         case "nash":

@@ -1,4 +1,4 @@
-"""Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and listens to nobody.
+"""Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and uses no message.
 
 After Lewis and Tan (1997) and Ren and Beard (2004), without formation feedback. For a comparison with `nash` that is
 about messages only, it is the same receding horizon over the same exact unicycle, limits and reference, with the

@@ -1,4 +1,4 @@
-"""The pair's game as a compiled Gauss-Newton step: six coordinates, four inputs, exact unicycles (THEORY section 5).
+"""The pair's game as a compiled Gauss-Newton step: six coordinates, four inputs (docs/theory.md, section 5).
 
 With e = slot - pose for robot i and its upstream neighbour, the residuals are the mean of both position errors
 (the virtual centre), their difference along and across the desired edge (the pattern), and the mean and the

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from dashboard.scene.layers import Sizes
+from dashboard.telemetry.export_buffer import DEAD, HELD, ExportData
 from dashboard.telemetry.links import LOST_SECONDS
-from dashboard.telemetry.recording import DEAD, HELD, Record
 from dashboard.theme.limits import DISTANCE_LIMIT, TRACKING_LIMIT
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
@@ -24,13 +24,13 @@ _PLAYER = Path(__file__).with_name("replay.html")
 _PLACE = "__DATA__"
 
 
-def file_name(run: str, record: Record, ending: str) -> str:
+def file_name(run: str, record: ExportData, ending: str) -> str:
     """Run, scenario, controller and simulated time, in letters that every file system has."""
     parts = ("echelon", run, record.scenario, record.controller, f"t{record.t[-1]:.1f}s")
     return "_".join(re.sub(r"[^A-Za-z0-9.-]+", "-", part) for part in parts) + ending
 
 
-def as_csv(record: Record) -> bytes:
+def as_csv(record: ExportData) -> bytes:
     """A row per moment: errors of all robots, ages over all links, who is there, and what happened since the last."""
     n = record.robots
     numbers = range(1, n + 1)
@@ -67,7 +67,7 @@ def _harmless(text: str) -> str:
     return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t") else text
 
 
-def as_replay(run: str, record: Record, scenario: Scenario, path: FloatArray, palette: Palette) -> bytes:
+def as_replay(run: str, record: ExportData, scenario: Scenario, path: FloatArray, palette: Palette) -> bytes:
     """One HTML file that plays the record.
 
     Args:

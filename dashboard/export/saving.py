@@ -10,29 +10,29 @@ import viser
 
 from dashboard.export import csv_and_replay
 from dashboard.scene.scene import route_line
-from dashboard.telemetry.mishaps import Mishaps
-from dashboard.telemetry.recording import Recording
-from dashboard.telemetry.subscriber import Seen
+from dashboard.telemetry.export_buffer import ExportBuffer
+from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme.palette import Palette
+from network.throttled_log import ThrottledLog
 
 PICTURE_SECONDS = 15.0
 """How long a page may take to draw its view: one without a graphics card takes seconds."""
 REPLAY, PLOTS, PICTURE = "Replay", "CSV", "Picture"
 
-Tell = Callable[[int | None, str, str], None]
+Notify = Callable[[int | None, str, str], None]
 
 
 class Saving:
     """Makes files and sends them to the page that asked for them."""
 
     def __init__(
-        self, gui: viser.GuiApi, run: str, recording: Recording, look: Callable[[], Palette], tell: Tell
+        self, gui: viser.GuiApi, run: str, export_buffer: ExportBuffer, look: Callable[[], Palette], notify: Notify
     ) -> None:
         """Buttons in the current container of the page."""
-        self._run, self._recording, self._look, self._tell = run, recording, look, tell
-        self._seen: Seen | None = None
+        self._run, self._export_buffer, self._look, self._notify = run, export_buffer, look, notify
+        self._snapshot: Snapshot | None = None
         self._busy = threading.Lock()
-        self._mishaps = Mishaps("making a file")
+        self._errors = ThrottledLog()
         hint = "The last minutes: a replay that plays in any browser, the plots as numbers, or a picture of the view"
         group = gui.add_button_group("Take away", (REPLAY, PLOTS, PICTURE), hint=hint)
         group.on_click(lambda event: self._save(event.target.value, event.client))
@@ -40,9 +40,9 @@ class Saving:
             command = gui.add_command(f"Take away: {what}", icon=icon)
             command.on_trigger(lambda event, what=what: self._save(what, event.client))  # type: ignore[misc]
 
-    def note(self, seen: Seen) -> None:
+    def note(self, snapshot: Snapshot) -> None:
         """What is shown now."""
-        self._seen = seen
+        self._snapshot = snapshot
 
     def _save(self, what: str, client: viser.ClientHandle | None) -> None:
         if client is None:
@@ -51,24 +51,26 @@ class Saving:
             try:
                 made = self._made(what, client)
             except Exception:
-                self._mishaps.note()
+                self._errors.add_exception("making a file")
                 made = None
             if made is None:
-                self._tell(client.client_id, "Nothing to take away", "No flight was kept yet, or it has no view.")
+                self._notify(client.client_id, "Nothing to take away", "No flight was kept yet, or it has no view.")
             else:
                 client.send_file_download(*made, save_immediately=True)
 
     def _made(self, what: str, client: viser.ClientHandle) -> tuple[str, bytes] | None:
         """Name and content of the file."""
-        record, seen = self._recording.record(), self._seen
-        if record is None or seen is None or seen.scenario is None or seen.scenario.size != record.robots:
+        record, snapshot = self._export_buffer.data(), self._snapshot
+        if record is None or snapshot is None or snapshot.scenario is None or snapshot.scenario.size != record.robots:
             return None
         if what == PLOTS:
             return csv_and_replay.file_name(self._run, record, ".csv"), csv_and_replay.as_csv(record)
         if what == PICTURE:
             return csv_and_replay.file_name(self._run, record, ".png"), self._picture(client)
         if what == REPLAY:
-            replay = csv_and_replay.as_replay(self._run, record, seen.scenario, route_line(seen.scenario), self._look())
+            replay = csv_and_replay.as_replay(
+                self._run, record, snapshot.scenario, route_line(snapshot.scenario), self._look()
+            )
             return csv_and_replay.file_name(self._run, record, ".html"), replay
         return None
 

@@ -18,8 +18,8 @@ _RESTART = "Its process ends without a goodbye, and a new one begins that knows 
 class AgentLifecycle:
     """Asks before an agent is ended."""
 
-    def __init__(self, desk: RequestQueue) -> None:
-        self._desk = desk
+    def __init__(self, requests: RequestQueue) -> None:
+        self._requests = requests
         self._open: dict[int, Any] = {}
         self._state: State | None = None
 
@@ -35,7 +35,7 @@ class AgentLifecycle:
         if verb == "kill":
             self._confirm(client, f"Kill agent {robot}?", _KILL.format(robot=robot), f"Kill {robot}", Kill(robot=robot))
         elif robot in state.dismissed:  # nothing is lost by starting it
-            self._desk.ask(Restart(robot=robot), client.client_id)
+            self._requests.ask(Restart(robot=robot), client.client_id)
         else:
             self._confirm(client, f"Restart agent {robot}?", _RESTART, f"Restart {robot}", Restart(robot=robot))
 
@@ -51,7 +51,7 @@ class AgentLifecycle:
         def done(event: viser.GuiEvent[Any]) -> None:
             self._close(client.client_id)
             if event.target is do:
-                self._desk.ask(operation, client.client_id)
+                self._requests.ask(operation, client.client_id)
 
         do.on_click(done)
         leave.on_click(done)

@@ -32,7 +32,7 @@ class Clickable:
         )
         self._group.on_click(self._pressed)
 
-    def offer(self, verbs: dict[str, int]) -> None:
+    def set_options(self, verbs: dict[str, int]) -> None:
         """Take presses of these verbs, each with numbers from 0 up to this one."""
         options = tuple(f"{verb} {number}" for verb, top in verbs.items() for number in range(top + 1)) or (NOTHING,)
         if self._group.options != options:

@@ -7,7 +7,7 @@ HANDS_OFF_SECONDS = 0.8
 """What a person just set is not set back before the world has had time to follow."""
 
 
-class Follower:
+class MirroredControl:
     """One control that follows the world."""
 
     def __init__(self, control: Any) -> None:
@@ -31,7 +31,7 @@ class Follower:
         self._own = self.control.update_timestamp
 
 
-def offer(dropdown: Any, options: tuple[str, ...]) -> None:
+def set_options(dropdown: Any, options: tuple[str, ...]) -> None:
     """Have a dropdown offer these options; its choice is kept if it is among them.
 
     A page may have sent any text as its choice: that is set back too.

@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from dashboard.panels import tables
-from dashboard.panels.controls import Follower, assign, offer
+from dashboard.panels.controls import MirroredControl, assign, set_options
 from dashboard.panels.requests import RequestQueue
 from formation.faults import PERFECT, PRESETS, plan_links
 from formation.pattern import downstream, upstream
@@ -48,15 +48,15 @@ MORE = (
 class FaultPanel:
     """Controls of the faults, in the current folder of the page."""
 
-    def __init__(self, gui: viser.GuiApi, desk: RequestQueue) -> None:
-        self._desk = desk
+    def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
+        self._requests = requests
         self._robots = 0
-        self._sliders: dict[str, tuple[Follower, float]] = {}
+        self._sliders: dict[str, tuple[MirroredControl, float]] = {}
         with gui.add_folder("Communication faults"):
             self._target: Any = gui.add_dropdown("Target", (ALL,), initial_value=ALL)
             self._in_force = gui.add_html("")
             self._preset: Any = gui.add_dropdown("Preset", (PICK, *PRESETS), initial_value=PICK)
-            self._cut = Follower(gui.add_checkbox("Cut", False, hint="Nothing passes"))
+            self._cut = MirroredControl(gui.add_checkbox("Cut", False, hint="Nothing passes"))
             for row in SLIDERS:
                 self._add_slider(gui, row)
             self._timed = gui.add_checkbox(
@@ -69,12 +69,12 @@ class FaultPanel:
         self._target.on_update(lambda _: self._release())
         self._cut.control.on_update(lambda event: self._set(event, "cut", bool(event.target.value)))
         self._preset.on_update(self._use_preset)
-        self._clear.on_click(lambda event: self._desk.clear(self.target, event.client_id))
+        self._clear.on_click(lambda event: self._requests.clear(self.target, event.client_id))
 
     def _add_slider(self, gui: viser.GuiApi, row: Row) -> None:
         slider = gui.add_slider(row.label, 0.0, row.top, row.step, 0.0)
         slider.on_update(lambda event: self._set(event, row.key, float(event.target.value) / row.factor))
-        self._sliders[row.key] = (Follower(slider), row.factor)
+        self._sliders[row.key] = (MirroredControl(slider), row.factor)
 
     # ------------------------------------------------------------------ what people do
 
@@ -97,7 +97,7 @@ class FaultPanel:
     def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
         if event.client_id is None:  # the page follows the world; nobody moved it
             return
-        self._desk.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
+        self._requests.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
 
     def _use_preset(self, event: viser.GuiEvent[Any]) -> None:
         name = event.target.value
@@ -111,7 +111,7 @@ class FaultPanel:
                 if seconds is None
                 else SetPreset(link=link, preset=name, seconds=seconds)
             )
-            self._desk.ask(operation, event.client_id)
+            self._requests.ask(operation, event.client_id)
         self._preset.value = PICK
 
     # ------------------------------------------------------------------ what the world says
@@ -119,7 +119,7 @@ class FaultPanel:
     def draw(self, state: State) -> None:
         """Show what the world has."""
         self._robots = len(state.poses)
-        offer(self._target, targets(self._robots))
+        set_options(self._target, targets(self._robots))
         assign(self._in_force, "content", tables.in_force(state))
         fault = worst(state.faults, self.target, self._robots)
         self._cut.follow(bool(fault["cut"]))

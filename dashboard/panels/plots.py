@@ -27,7 +27,7 @@ HEIGHT = 84
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class Curve:
     """One line of a plot."""
 
     column: str
@@ -49,7 +49,7 @@ class Plot:
 
     name: str
     unit: str
-    lines: tuple[Line, ...]
+    lines: tuple[Curve, ...]
     floor: float
     """The axis reaches at least so far: noise at the micrometre is not news."""
     limit: float | None = None
@@ -57,37 +57,37 @@ class Plot:
     """Larger values are shown as this one."""
 
 
-def _ghost(column: str) -> Line:
-    return Line(column, "ghost", GHOST, (4.0, 3.0))
+def _ghost(column: str) -> Curve:
+    return Curve(column, "ghost", GHOST, (4.0, 3.0))
 
 
 FIRST = (
     Plot(
         "Pattern distance error",
         "mm",
-        (Line("distance_max", "max", SKY), Line("distance_mean", "mean", MEAN), _ghost("ghost_distance")),
+        (Curve("distance_max", "max", SKY), Curve("distance_mean", "mean", MEAN), _ghost("ghost_distance")),
         floor=0.1,
         limit=1e3 * DISTANCE_LIMIT,
     ),
     Plot(
         "Age of the newest plan",
         "ms, up to 3 s",
-        (Line("age_max", "max", CYAN), Line("age_mean", "mean", MEAN)),
+        (Curve("age_max", "max", CYAN), Curve("age_mean", "mean", MEAN)),
         floor=100.0,
         limit=1e3 * LOST_SECONDS,
         cap=3000.0,
     ),
 )
 SECOND = (
-    Plot("Pattern angle error", "deg", (Line("angle", "max", VIOLET), _ghost("ghost_angle")), floor=0.1),
+    Plot("Pattern angle error", "deg", (Curve("angle", "max", VIOLET), _ghost("ghost_angle")), floor=0.1),
     Plot(
         "Tracking error",
         "mm",
-        (Line("tracking", "centre to path", PINK), _ghost("ghost_tracking")),
+        (Curve("tracking", "centre to path", PINK), _ghost("ghost_tracking")),
         floor=0.1,
         limit=1e3 * TRACKING_LIMIT,
     ),
-    Plot("Solve time", "ms per plan", (Line("solve_max", "max", BLUE), Line("solve_mean", "mean", MEAN)), floor=0.1),
+    Plot("Solve time", "ms per plan", (Curve("solve_max", "max", BLUE), Curve("solve_mean", "mean", MEAN)), floor=0.1),
 )
 
 _AXIS = up.Axis(
@@ -107,13 +107,13 @@ class Chart:
         self._plot = plot
         self._title: Any = gui.add_html("")
         # Behind the plot's own lines: its limit, the least that its axis shows, and a spike where something happened.
-        extra = (Line("", "limit", LIMIT, (5.0, 5.0)), Line("", "floor", INVISIBLE), Line("", "event", EVENT))
+        extra = (Curve("", "limit", LIMIT, (5.0, 5.0)), Curve("", "floor", INVISIBLE), Curve("", "event", EVENT))
         lines = (*plot.lines, *extra)
         # One plot for each look, of which one is shown: a plot that changes its colours would lose its time axis.
         self._handles = {palette: self._add(gui, lines, palette) for palette in (DARK, LIGHT)}
         self._handle = self._handles[DARK]
 
-    def _add(self, gui: viser.GuiApi, lines: tuple[Line, ...], palette: Palette) -> Any:
+    def _add(self, gui: viser.GuiApi, lines: tuple[Curve, ...], palette: Palette) -> Any:
         return gui.add_uplot(
             tuple(np.zeros(2) for _ in range(len(lines) + 1)),
             _series(lines, palette),
@@ -126,7 +126,7 @@ class Chart:
             padding=(8, 10, 0, 0),
         )
 
-    def dress(self, palette: Palette) -> None:
+    def set_palette(self, palette: Palette) -> None:
         """Draw in another look from now on."""
         shown, self._handle = self._handle, self._handles[palette]
         if self._handle is not shown:
@@ -157,7 +157,7 @@ class Chart:
         self._handle.data = (series["t"], *values, *flat, np.where(series["event"] > 0.0, max(top, limit), hidden))
 
 
-def _series(lines: tuple[Line, ...], palette: Palette) -> tuple[up.Series, ...]:
+def _series(lines: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...]:
     """How uPlot draws the time and these lines."""
     named, found = palette.named(), [up.Series(label="t")]
     for line in lines:

@@ -6,30 +6,30 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dashboard.telemetry.mishaps import Mishaps
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
 from network.control import Clear, Operation, SetFault
+from network.throttled_log import ThrottledLog
 from network.zenoh_bus import Session
 
 QUIET_SECONDS = 0.08
 """A slider that is dragged says many values; the one on which it rests is sent."""
 POLL_SECONDS = 0.04
 
-Tell = Callable[[int | None, str, str], None]
+Notify = Callable[[int | None, str, str], None]
 """(page or None for all, title, text): shows a person why something was not done."""
 
 
 class RequestQueue:
     """Takes what people ask for, in order, and tells them if it was refused."""
 
-    def __init__(self, session: Session, feed: TelemetrySubscriber, tell: Tell) -> None:
-        self._session, self._feed, self._tell = session, feed, tell
+    def __init__(self, session: Session, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+        self._session, self._telemetry, self._notify = session, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None wakes
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
-        self._mishaps = Mishaps("asking the world")
+        self._errors = ThrottledLog()
         self._over = False
         self._thread = threading.Thread(target=self._work, name="desk", daemon=True)
 
@@ -80,7 +80,7 @@ class RequestQueue:
             try:
                 self._next()
             except Exception:  # without this thread no button would do anything any more
-                self._mishaps.note()
+                self._errors.add_exception("asking the world")
 
     def _next(self) -> None:
         left = self._rest[0] - monotonic() if self._resting else POLL_SECONDS
@@ -89,14 +89,14 @@ class RequestQueue:
         try:
             asked = self._queue.get(timeout=min(max(left, 0.0), POLL_SECONDS))
         except Empty:
-            self._feed.learn()
+            self._telemetry.update_scenario()
             return
         if asked is None:
             return
         operation, page = asked
         complaint = self._do(operation)
         if complaint is not None:
-            self._tell(page, *complaint)
+            self._notify(page, *complaint)
 
     def _do(self, operation: Operation) -> tuple[str, str] | None:
         """Ask; title and text of what a person must hear, if anything."""
@@ -107,7 +107,7 @@ class RequestQueue:
         except WireError as error:
             return "The world's answer makes no sense", str(error)
         except Exception as error:  # a session that is being closed, say
-            self._mishaps.note()
+            self._errors.add_exception("asking the world")
             return "The world could not be asked", (str(error) or type(error).__name__).splitlines()[0][:200]
         if reply is None:
             return "No answer", "The world did not answer; is it still running?"

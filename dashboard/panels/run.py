@@ -5,12 +5,12 @@ from typing import Any
 import viser
 
 from dashboard.panels.comparison import comparison
-from dashboard.panels.controls import Follower, assign
+from dashboard.panels.controls import MirroredControl, assign
 from dashboard.panels.requests import RequestQueue
 from dashboard.panels.summary import head
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Seen
+from dashboard.telemetry.subscriber import Snapshot
 from formation.scenario.files import shipped
 from formation.scenario.registry import LIVE, NAMES
 from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
@@ -33,17 +33,17 @@ COMPARE_HINT = "Flies this controller beside the live one, as a ghost that meets
 class RunPanel:
     """Controls of the run, in the current container of the page."""
 
-    def __init__(self, gui: viser.GuiApi, desk: RequestQueue) -> None:
-        self._desk = desk
+    def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
+        self._requests = requests
         self._status = ""
         self._head = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
-        self._scenario = Follower(gui.add_dropdown("Scenario", tuple(shipped())))
-        self._controller = Follower(gui.add_dropdown("Controller", LIVE))
-        self._compare = Follower(gui.add_dropdown("Compare with", (ALONE, *NAMES), hint=COMPARE_HINT))
+        self._scenario = MirroredControl(gui.add_dropdown("Scenario", tuple(shipped())))
+        self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
+        self._compare = MirroredControl(gui.add_dropdown("Compare with", (ALONE, *NAMES), hint=COMPARE_HINT))
         self._verdict = gui.add_html("")
-        self._speed = Follower(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
+        self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
         self._scenario.control.on_update(lambda event: self._person(event, lambda name: UseScenario(scenario=name)))
@@ -68,27 +68,27 @@ class RunPanel:
     # ------------------------------------------------------------------ what people do
 
     def _switch(self, page: int | None) -> None:
-        self._desk.ask(Pause() if self._status == "running" else Start(), page)
+        self._requests.ask(Pause() if self._status == "running" else Start(), page)
 
     def _act(self, name: str, page: int | None) -> None:
         operations: dict[str, Operation] = {"Step": Step(ticks=STEP_TICKS), "Reset": Reset(), "Clear faults": Clear()}
         if name in operations:
-            self._desk.ask(operations[name], page)
+            self._requests.ask(operations[name], page)
 
     def _person(self, event: viser.GuiEvent[Any], operation: Any) -> None:
         # A page may send anything; a scenario by its path must not be read for it.
         if event.client_id is not None and event.target.value in event.target.options:
-            self._desk.ask(operation(event.target.value), event.client_id)
+            self._requests.ask(operation(event.target.value), event.client_id)
 
     # ------------------------------------------------------------------ what the world says
 
-    def draw(self, seen: Seen, links: list[LinkView], history: History) -> None:
+    def draw(self, snapshot: Snapshot, links: list[LinkView], history: History) -> None:
         """Show how the run is."""
-        assign(self._head, "content", head(seen, links))
-        state = seen.state
+        assign(self._head, "content", head(snapshot, links))
+        state = snapshot.state
         if state is None:
             return
-        self._status = state.status if seen.here else ""
+        self._status = state.status if snapshot.world_alive else ""
         label, icon = _LABELS[state.status]
         if self._toggle.label != label:
             self._toggle.label = label
@@ -121,7 +121,7 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
-def _choose(dropdown: Follower, value: str) -> None:
+def _choose(dropdown: MirroredControl, value: str) -> None:
     """Show this value, also if it is not one of the shipped ones."""
     if value not in dropdown.control.options:
         dropdown.control.options = (*dropdown.control.options, value)

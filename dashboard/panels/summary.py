@@ -3,7 +3,7 @@
 from html import escape
 
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, oldest
-from dashboard.telemetry.subscriber import Seen
+from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme.formatting import FONT, MUTED, duration, length, light
 from dashboard.theme.limits import DISTANCE_LIMIT, TRACKING_LIMIT, WAITS_SECONDS
 from dashboard.theme.palette import DARK, hue
@@ -12,44 +12,43 @@ from network.messages import State, Status
 CARD = "background:rgba(128,140,160,.10);border-radius:4px"
 
 
-def head(seen: Seen, views: list[LinkView]) -> str:
+def head(snapshot: Snapshot, views: list[LinkView]) -> str:
     """Status, time, the three figures that matter, a chip per robot."""
-    word, colour, note = condition(seen)
-    state = seen.state
+    word, colour, note = condition(snapshot)
+    state = snapshot.state
     pill = (
         f'<span style="background:{colour};color:#0b1210;font-weight:700;border-radius:12px;padding:3px 10px;'
         f'font-size:11px;letter-spacing:.03em">{word}</span>'
     )
     if state is None:
         return f'<div style="{FONT};padding:4px 10px">{pill}<p style="{MUTED};margin:8px 0 0">{escape(note)}</p></div>'
-    pace = f"{state.pace:.2g}x · " if state.status == "running" and seen.here else ""
+    pace = f"{state.pace:.2g}x · " if state.status == "running" and snapshot.world_alive else ""
     line = (
         f'<div style="display:flex;align-items:center;gap:8px;white-space:nowrap">{pill}'
         f'<span style="font-size:13px">t = {state.stamp:.1f} s</span>'
         f'<span style="{MUTED};margin-left:auto;font-size:11px">{pace}{len(state.poses)} robots</span></div>'
     )
     more = f'<div style="{MUTED};margin-top:6px">{escape(note)}</div>' if note else ""
-    return (
-        f'<div style="{FONT};padding:4px 14px 10px 10px">{line}{more}{_tiles(state, views)}{_chips(seen, views)}</div>'
-    )
+    body = line + more + _tiles(state, views) + _chips(snapshot, views)
+    return f'<div style="{FONT};padding:4px 14px 10px 10px">{body}</div>'
 
 
-def condition(seen: Seen) -> tuple[str, str, str]:
+def condition(snapshot: Snapshot) -> tuple[str, str, str]:
     """A word for how the run is, its colour, and a sentence if there is something to say."""
-    state = seen.state
+    state = snapshot.state
     green, amber, red, grey = (f"#{c}" for c in (DARK.ok, DARK.warn, DARK.bad, DARK.muted))
-    if not seen.connected:
+    if not snapshot.connected:
         return "NO ROUTER", red, "The run's router is gone. This page comes back by itself when it does."
     if state is None:
         return "WAITING", amber, "Waiting for the world of this run to speak."
-    if not seen.here:
+    if not snapshot.world_alive:
         return "NO WORLD", red, "The world has stopped speaking; what is shown is its last word. Waiting for it."
     if state.status == "waiting":
         names = ", ".join(str(robot) for robot in state.waiting_for) or "…"
         return "WAITING", amber, f"Waiting for the agents of robots {names}."
     if state.status == "finished":
         return "FINISHED", grey, "The flight is over. Fly again starts it anew."
-    note, behind = "", max((lag(status, state) for status in seen.statuses.values()), default=0.0)
+    note, behind = "", max((lag(status, state) for status in snapshot.statuses.values()), default=0.0)
     if behind > WAITS_SECONDS:
         number, unit = duration(behind)
         note = f"The robots wait for one another, {number} {unit} behind the clock; the rings are where it wants them."
@@ -82,14 +81,14 @@ def _tiles(state: State, views: list[LinkView]) -> str:
     return f'<div style="display:grid;grid-template-columns:1fr 1fr 1fr;gap:6px;margin-top:8px">{cells}</div>'
 
 
-def _chips(seen: Seen, views: list[LinkView]) -> str:
-    state = seen.state
+def _chips(snapshot: Snapshot, views: list[LinkView]) -> str:
+    state = snapshot.state
     assert state is not None
     n = len(state.poses)
     chips = ""
     grid = "display:grid;grid-template-columns:repeat(auto-fit,minmax(58px,1fr))"
     for robot in range(1, n + 1):
-        word = robot_word(state, robot)
+        word = robot_label(state, robot)
         level = 1.0 if word != "OK" else views[robot - 2].level
         name = f"R{robot}" if word == "OK" else f"R{robot} {word}"
         chips += (
@@ -99,7 +98,7 @@ def _chips(seen: Seen, views: list[LinkView]) -> str:
     return f'<div style="{grid};gap:4px;margin-top:6px;font-size:11px">{chips}</div>'
 
 
-def robot_word(state: State, robot: int) -> str:
+def robot_label(state: State, robot: int) -> str:
     """How a robot is, in a word."""
     if robot not in state.live:
         return "KILLED" if robot in state.dismissed else "LOST"

@@ -3,10 +3,10 @@
 from html import escape
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.summary import lag, robot_word
+from dashboard.panels.summary import lag, robot_label
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Seen
-from dashboard.theme.formatting import FONT, LINE, MUTED, TABLE, arrow, duration, fault_words, length, light, remark
+from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.formatting import FONT, LINE, MUTED, TABLE, arrow, duration, fault_text, length, light, remark
 from dashboard.theme.limits import WAITS_SECONDS
 from dashboard.theme.palette import hue
 from network.messages import State, Status
@@ -23,17 +23,17 @@ _NOTE = (
 )
 
 
-def robots(seen: Seen, views: list[LinkView], taps: Clickable) -> str:
+def robots(snapshot: Snapshot, views: list[LinkView], clickable: Clickable) -> str:
     """A row per robot: is it alive, how is it doing; to be followed, killed and restarted at a press."""
-    state = seen.state
+    state = snapshot.state
     if state is None:
         return remark("No robots yet.")
     rows = _row("th", f"{MUTED};font-weight:500", _HEADS)
     for robot in range(1, len(state.poses) + 1):
-        cells = _robot(state, robot, seen.statuses.get(robot), views[robot - 2])
-        name = f'<span {taps.tap("focus", robot)} title="Follow robot {robot}">{cells[0]}</span>'
-        rows += _row("td", LINE, (name, *cells[1:], _orders(state, robot, taps)))
-    table = taps.around(f'<table style="{TABLE}">{rows}</table>')
+        cells = _robot(state, robot, snapshot.statuses.get(robot), views[robot - 2])
+        name = f'<span {clickable.tap("focus", robot)} title="Follow robot {robot}">{cells[0]}</span>'
+        rows += _row("td", LINE, (name, *cells[1:], _orders(state, robot, clickable)))
+    table = clickable.around(f'<table style="{TABLE}">{rows}</table>')
     return f'<div style="font-size:11px;line-height:1.3;padding:2px 6px">{table}<p style="{MUTED}">{_NOTE}</p></div>'
 
 
@@ -42,18 +42,19 @@ def _row(tag: str, style: str, cells: tuple[str, ...]) -> str:
     return f'<tr style="{style}">' + "".join(f'<{tag} style="{each}">{cell}</{tag}>' for cell in cells) + "</tr>"
 
 
-def _orders(state: State, robot: int, taps: Clickable) -> str:
+def _orders(state: State, robot: int, clickable: Clickable) -> str:
     """What can be done with a robot's agent now."""
     down = robot in state.dismissed
     offered = [("restart", "ok")] if down else [("kill", "bad"), ("restart", "muted")]
     look = "border:1px solid;border-radius:3px;padding:0 3px;margin-left:2px;display:inline-block"
     return "".join(
-        f'<span {taps.tap(verb, robot)} style="{look};color:var(--{colour})">{verb}</span>' for verb, colour in offered
+        f'<span {clickable.tap(verb, robot)} style="{look};color:var(--{colour})">{verb}</span>'
+        for verb, colour in offered
     )
 
 
 def _robot(state: State, robot: int, status: Status | None, view: LinkView) -> tuple[str, ...]:
-    word = robot_word(state, robot)
+    word = robot_label(state, robot)
     fresh = status if status is not None and status.episode == state.episode else None
     pid = f"process {fresh.pid}" if fresh is not None and robot in state.live else "no process"
     level, behind = 0.0 if word == "OK" else 1.0, lag(fresh, state)
@@ -100,7 +101,7 @@ def in_force(state: State | None) -> str:
         return f'<div style="{FONT};{MUTED};padding:0 10px 4px">No faults: every link is perfect.</div>'
     items = "".join(
         f'<div style="overflow-wrap:anywhere"><b style="color:var(--{"bad" if fault.get("cut") else "warn"})">'
-        f"{arrow(link)}</b> {escape(fault_words(fault))}</div>"
+        f"{arrow(link)}</b> {escape(fault_text(fault))}</div>"
         for link, fault in sorted(state.faults.items())
     )
     return f'<div style="{FONT};padding:0 10px 4px;max-height:84px;overflow-y:auto">{items}</div>'

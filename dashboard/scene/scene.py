@@ -11,7 +11,7 @@ from dashboard.scene.ghost_layer import GhostLayer
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.series import TRAIL_POINTS
-from dashboard.telemetry.subscriber import Seen
+from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, Palette
 from formation.arrays import FloatArray
@@ -85,7 +85,7 @@ class Scene:
             position=(0.0, 0.0, -0.001),
         )
 
-    def dress(self, palette: Palette) -> None:
+    def set_palette(self, palette: Palette) -> None:
         """Draw in another look from now on; call within server.atomic()."""
         if palette != self._palette:
             self._palette = palette
@@ -102,7 +102,7 @@ class Scene:
             if node in self._nodes:
                 self._nodes[node].visible = shown
 
-    def draw(self, seen: Seen, links: list[LinkView], history: History, *, whole: bool) -> None:
+    def draw(self, snapshot: Snapshot, links: list[LinkView], history: History, *, whole: bool) -> None:
         """Bring the scene up to date; call within server.atomic().
 
         Args:
@@ -111,7 +111,7 @@ class Scene:
             history: for the trails.
             whole: also what usually takes turns from frame to frame.
         """
-        state, scenario = seen.state, seen.scenario
+        state, scenario = snapshot.state, snapshot.scenario
         if state is None or scenario is None or scenario.size != len(state.poses):
             return
         if scenario is not self._scenario:
@@ -120,21 +120,21 @@ class Scene:
             self._scenario = scenario
         self._frame += 1
         whole |= self._frame == 1
-        self._move(seen.poses)
+        self._move(snapshot.poses)
         if whole or scenario.size <= MANY or self._frame % 2:
-            self._connect(seen.poses, links)
+            self._connect(snapshot.poses, links)
         trails = whole or self._frame % SLOW == 1
         if trails:
-            self._nodes["/trails"].points = geometry.segments(history.trails(seen.poses), self._sizes.z(2))
+            self._nodes["/trails"].points = geometry.segments(history.trails(snapshot.poses), self._sizes.z(2))
         if self._ghost is not None:
             self._ghost.allow(self._ghost_shown)
-            self._ghost.draw(history.ghost, seen.stamp, trails=trails)
+            self._ghost.draw(history.ghost, snapshot.stamp, trails=trails)
         if state is not self._state:
             self._state = state
             self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         if whole or self._frame % SLOW == 2:
-            self._plan(seen, state, scenario.controller.horizon)
+            self._plan(snapshot, state, scenario.controller.horizon)
         if whole or self._frame % SLOW == 0 or self._focus_drawn != self.focus:
             self._focus_drawn = self.focus
             self._recolour(state, links)
@@ -171,12 +171,14 @@ class Scene:
             outlines = layers.outline_colours(n, lost, stopped, self.focus, self._palette)
             drawn["/outlines"].batched_colors = colours.encode(outlines)
 
-    def _plan(self, seen: Seen, state: State, steps: int) -> None:
+    def _plan(self, snapshot: Snapshot, state: State, steps: int) -> None:
         """What robots want, and what their neighbours believe of it."""
         n, z = len(state.poses), self._sizes.z
-        own = layers.horizons(layers.own_plans(seen.statuses, n, state.episode), seen.poses, steps, seen.stamp)
+        own = layers.horizons(
+            layers.own_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps, snapshot.stamp
+        )
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
-        held = layers.horizons(layers.held_plans(seen.statuses, n, state.episode), seen.poses, steps)
+        held = layers.horizons(layers.held_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps)
         dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]
         self._nodes["/beliefs"].points = dashes.reshape(-1, 2, 3)
 

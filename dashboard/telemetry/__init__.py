@@ -1,1 +1,1 @@
-"""What the page knows: what was heard of the run, and the last minute of it as series."""
+"""What the page knows: the newest messages of the run, and the last minutes of it as series."""

@@ -1,4 +1,4 @@
-"""The ghost as the page knows it: where it is, where it has been, and how its errors compare with the live ones."""
+"""The ghost, another controller simulated beside the run: its poses, its trail, and its errors beside the live ones."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -14,20 +14,21 @@ from network.messages import Ghost, State
 COLUMNS = ("ghost_distance", "ghost_angle", "ghost_tracking")
 """Largest distance error [mm], largest angle error [deg], tracking error [mm]."""
 KEPT = 40
-"""Poses kept, to draw the ghost at the very stamp at which the live robots are drawn."""
+"""Poses kept, so that the ghost is drawn at the same stamp as the live robots."""
 FAR_BEHIND = 1.0
-"""A ghost that is further behind [s] is not drawn: it would be compared with where the others are by now."""
-VERDICT_SECONDS = 20.0
-"""The errors of so long are compared."""
-VERDICT_ROWS = 10
+"""A ghost that is further behind [s] is not drawn: its poses would be compared with those of another time."""
+COMPARED_SECONDS = 20.0
+"""Length of the window in which errors are compared [s]."""
+COMPARED_ROWS = 10
+"""Rows that both must have in that window, at least."""
 FAR_BETTER = 1000.0
-"""Beyond this factor its digits say nothing."""
-NOTHING_MM = 1e-3
-"""Errors below a micrometre are all the same on the ground."""
+"""Beyond this factor its digits mean nothing."""
+LEAST_MM = 1e-3
+"""Errors below a micrometre count as one micrometre."""
 
 
 class GhostTrack:
-    """What the ghost has said, as far as it belongs to the flight and the comparison of now."""
+    """The messages of the ghost that belong to the present episode and the chosen controller."""
 
     def __init__(self) -> None:
         self.newest: Ghost | None = None
@@ -40,33 +41,33 @@ class GhostTrack:
         self._series = Series(len(COLUMNS), 2 * POINTS)  # to reach as far back as the live ones
         self._trail: Trail | None = None
 
-    def follow(self, state: State, said: Sequence[Ghost]) -> None:
-        """Take in what the ghost has said since the last call; forget what does not fit the state any more."""
+    def update(self, state: State, ghosts: Sequence[Ghost]) -> None:
+        """Add the ghost messages since the last call; drop what no longer fits the state."""
         wanted = (state.episode, state.compare, len(state.poses))
         if wanted != self._wanted:
             self._wanted = wanted
             self._begin()
-        for ghost in said:
+        for ghost in ghosts:
             if (ghost.episode, ghost.controller, len(ghost.poses)) == wanted:
-                self._take(ghost)
+                self._add(ghost)
 
-    def _take(self, ghost: Ghost) -> None:
+    def _add(self, ghost: Ghost) -> None:
         if self.newest is not None and ghost.stamp < self.newest.stamp:
-            self._begin()  # its process was started again
+            self._begin()  # its process was restarted
         if self._trail is None:
             self._trail = Trail(ghost.poses, ghost.stamp)
         self.newest = ghost
         self._poses.append((ghost.stamp, ghost.poses))
         self._trail.add(ghost.poses, ghost.stamp)
-        figures = [
+        values = [
             1e3 * np.abs(ghost.distance_errors).max(),
             np.degrees(np.abs(ghost.angle_errors).max()),
             1e3 * ghost.tracking_error,
         ]
-        self._series.add(ghost.stamp, np.array(figures))
+        self._series.add(ghost.stamp, np.array(values))
 
     def poses(self, stamp: float) -> FloatArray | None:
-        """(n, 3) at a stamp [s], or the nearest that is known; None without a ghost, or if it is far behind."""
+        """(n, 3) at a stamp [s], or the nearest known; None without a ghost, or if it is far behind."""
         if not self._poses or self._poses[-1][0] < stamp - FAR_BEHIND:
             return None
         after = next((i for i, (at, _) in enumerate(self._poses) if at >= stamp), len(self._poses) - 1)
@@ -79,12 +80,12 @@ class GhostTrack:
         return before + moved * (stamp - before_at) / max(at - before_at, 1e-9)
 
     def trail(self, poses: FloatArray) -> FloatArray:
-        """(n, TRAIL_POINTS, 2) up to these poses (n, 3) [m]."""
+        """(n, TRAIL_POINTS, 2) ending at these poses (n, 3) [m]."""
         assert self._trail is not None
         return self._trail.up_to(poses)
 
     def at(self, stamps: FloatArray) -> dict[str, FloatArray]:
-        """COLUMNS by name at these stamps (T,) [s]; NaN where the ghost has not been."""
+        """COLUMNS by name at these stamps (T,) [s]; NaN where there is no ghost."""
         rows = self._series.rows
         if not len(rows):
             return {name: np.full_like(stamps, np.nan) for name in COLUMNS}
@@ -96,30 +97,30 @@ class GhostTrack:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """One error of both flights, RMS over the last seconds [mm]."""
+    """RMS of one error over the last seconds, of the run and of the ghost [mm]."""
 
     name: str
     live: float
     ghost: float
 
     @property
-    def words(self) -> str:
-        """How the live flight does beside the ghost: "12 x better"."""
-        live, ghost = max(self.live, NOTHING_MM), max(self.ghost, NOTHING_MM)
-        factor = max(live, ghost) / min(live, ghost)
-        if factor < 1.05:
+    def factor(self) -> str:
+        """The run against the ghost in words: "12 x better"."""
+        live, ghost = max(self.live, LEAST_MM), max(self.ghost, LEAST_MM)
+        ratio = max(live, ghost) / min(live, ghost)
+        if ratio < 1.05:
             return "the same"
         word = "better" if live < ghost else "worse"
-        if factor > FAR_BETTER:
+        if ratio > FAR_BETTER:
             return f"> {FAR_BETTER:.0f} x {word}"
-        return f"{factor:.1f} x {word}" if factor < 9.95 else f"{float(f'{factor:.2g}'):.0f} x {word}"
+        return f"{ratio:.1f} x {word}" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f} x {word}"
 
 
-def verdicts(series: Mapping[str, FloatArray]) -> list[Comparison]:
-    """How the two flights compare, from the columns of the history; nothing before both have some rows in common."""
+def comparisons(series: Mapping[str, FloatArray]) -> list[Comparison]:
+    """The run against the ghost, from the columns of the history; empty until both have enough rows in common."""
     t = series["t"]
-    both = np.isfinite(series[COLUMNS[0]]) & (t > t[-1] - VERDICT_SECONDS)
-    if both.sum() < VERDICT_ROWS:
+    both = np.isfinite(series[COLUMNS[0]]) & (t > t[-1] - COMPARED_SECONDS)
+    if both.sum() < COMPARED_ROWS:
         return []
     pairs = (("distance", "distance_max", COLUMNS[0]), ("tracking", "tracking", COLUMNS[2]))
     return [Comparison(name, rms(series[live][both]), rms(series[ghost][both])) for name, live, ghost in pairs]

@@ -1,4 +1,4 @@
-"""What was, for trails and plots: simulated time only, started anew with every flight."""
+"""The last 45 s for trails and plots, in simulated time; cleared at the start of every episode."""
 
 from collections.abc import Sequence
 
@@ -25,7 +25,7 @@ COLUMNS = (
 
 
 class History:
-    """Trails of all robots, the series behind the plots, and the ghost beside them."""
+    """Trails of all robots, the series behind the plots, and the ghost."""
 
     def __init__(self) -> None:
         self.episode = -1
@@ -37,7 +37,7 @@ class History:
         self._marks: list[float] = []
 
     def add(self, state: State, links: list[LinkView], solves: Sequence[float] = ()) -> None:
-        """Take the newest state in, with what plans cost the robots of late [s]."""
+        """Add the newest state, with the solve times of the newest plans [s]."""
         if state.episode != self.episode or len(state.poses) != self._robots:
             self._begin(state)
         self._trail.add(state.poses, state.stamp)
@@ -45,7 +45,7 @@ class History:
             if event.number > self._events and event.kind != "run" and event.stamp > 0.0:
                 self._marks.append(event.stamp)
         self._events = max([self._events, *(event.number for event in state.events)])
-        self._series.add(state.stamp, self._figures(state, links, solves))
+        self._series.add(state.stamp, self._row(state, links, solves))
 
     def _begin(self, state: State) -> None:
         self.episode, self._robots = state.episode, len(state.poses)
@@ -54,7 +54,7 @@ class History:
         self._marks = []
         self._events = max((event.number for event in state.events), default=0)
 
-    def _figures(self, state: State, links: list[LinkView], solves: Sequence[float]) -> FloatArray:
+    def _row(self, state: State, links: list[LinkView], solves: Sequence[float]) -> FloatArray:
         """One row of COLUMNS, without its stamp."""
         ages = [link.age for link in links if link.age is not None] or [0.0]
         distance = 1e3 * np.abs(state.distance_errors)
@@ -75,13 +75,13 @@ class History:
         )
 
     def trails(self, poses: FloatArray) -> FloatArray:
-        """(n, TRAIL_POINTS, 2), oldest first, up to where the robots are drawn now [m]."""
+        """(n, TRAIL_POINTS, 2), oldest first, ending at the poses that are drawn now [m]."""
         return self._trail.up_to(poses)
 
     def series(self) -> dict[str, FloatArray]:
         """Columns by name, at least two points each; errors in mm and degrees, ages and solve times in ms.
 
-        The ghost's columns (dashboard/telemetry/ghost_track.py) are among them, NaN where there was none.
+        The ghost's columns (dashboard/telemetry/ghost_track.py) are among them, NaN where there is no ghost.
         """
         rows = self._series.rows
         if len(rows) < 2:

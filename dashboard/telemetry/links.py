@@ -1,4 +1,4 @@
-"""The ring's links as people see them: how old the newest plan is that came over each, and whether it is lost."""
+"""Health of the ring's links: the age of the newest plan that arrived over each, and whether the link is lost."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,11 +6,10 @@ from typing import Any
 
 from formation.pattern import downstream
 from network.messages import LinkCounts, State, Status
+from network.topics import STATUS
 
 LOST_SECONDS = 0.5
-"""A link whose newest plan is older counts as lost: a quarter of the horizon has gone by unheard."""
-SILENCE_SECONDS = 0.25
-"""Statuses come ten times a second of wall clock. Within so long a status still holds; after, its agent is mute."""
+"""A link whose newest plan is older counts as lost: a quarter of the horizon has passed without a plan [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,16 +19,16 @@ class LinkView:
     sender: int
     receiver: int
     age: float | None
-    """Age of the newest plan that arrived [s]; None before the receiver has said anything."""
+    """Age of the newest plan that arrived [s]; None before the receiver's first status."""
     fault: Mapping[str, Any]
-    """Keys of formation.faults.Fault that are not those of a perfect link."""
+    """Keys of formation.faults.Fault that differ from a perfect link's."""
     counts: LinkCounts
     deaf: bool = False
-    """Whether nobody listens at its end: the receiver has no agent."""
+    """Whether the receiver has no agent."""
 
     @property
     def name(self) -> str:
-        """As the world calls it."""
+        """The link's name in the world: "1->2"."""
         return f"{self.sender}->{self.receiver}"
 
     @property
@@ -39,7 +38,7 @@ class LinkView:
 
     @property
     def lost(self) -> bool:
-        """Whether the receiver has to do without it."""
+        """Whether nothing arrives, or nothing has for LOST_SECONDS."""
         return self.cut or self.deaf or (self.age is not None and self.age > LOST_SECONDS)
 
     @property
@@ -48,8 +47,8 @@ class LinkView:
         return 1.0 if self.lost else min(1.0, max(0.0, (self.age or 0.0) / LOST_SECONDS))
 
     @property
-    def word(self) -> str:
-        """Health in a word, for those who do not see colours."""
+    def label(self) -> str:
+        """Health in a word, so that it does not depend on colour alone."""
         if self.cut:
             return "CUT"
         if self.age is None and not self.deaf:
@@ -58,12 +57,12 @@ class LinkView:
 
     @property
     def loss(self) -> float:
-        """Share of plans lost so far."""
+        """Share of the plans sent that were lost, 0 to 1."""
         return self.counts.lost / self.counts.sent if self.counts.sent else 0.0
 
 
-def links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
-    """Every link of the ring, in the order of its senders."""
+def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
+    """Every link of the ring, ordered by sender."""
     robots = len(state.poses)
     return [_link(state, statuses, sender, downstream(sender, robots)) for sender in range(1, robots + 1)]
 
@@ -73,12 +72,12 @@ def _link(state: State, statuses: Mapping[int, Status], sender: int, receiver: i
     age, counts = None, LinkCounts()
     if status is not None and status.episode == state.episode:
         silence = state.stamp - status.stamp
-        age = status.age + (silence if silence > SILENCE_SECONDS * max(1.0, state.pace) else 0.0)
+        age = status.age + (silence if silence > STATUS.stale * max(1.0, state.pace) else 0.0)
         counts = status.counts
     fault = state.faults.get(f"{sender}->{receiver}", {})
     return LinkView(sender, receiver, age, fault, counts, deaf=receiver not in state.live)
 
 
-def oldest(views: list[LinkView]) -> float:
-    """Age of the oldest message that a robot has to plan with [s]."""
-    return max((view.age for view in views if view.age is not None), default=0.0)
+def oldest(links: list[LinkView]) -> float:
+    """Age of the oldest plan that a robot has to use [s]."""
+    return max((link.age for link in links if link.age is not None), default=0.0)

@@ -1,4 +1,4 @@
-"""Figures and places over simulated time, thinned to what a page can show."""
+"""Values and positions over simulated time, thinned to what a page can show."""
 
 import numpy as np
 
@@ -13,41 +13,46 @@ TRAIL_INTERVAL = 0.2
 
 
 class Series:
-    """The last rows (stamp, figures...) of a flight; peaks survive the thinning."""
+    """The last rows (stamp, values...) of an episode; thinning keeps the largest value."""
 
-    def __init__(self, figures: int, points: int = POINTS) -> None:
-        """No row yet; each will hold so many figures, and the last so many are kept."""
+    def __init__(self, values: int, points: int = POINTS) -> None:
+        """Begin without rows.
+
+        Args:
+            values: number of values in a row.
+            points: number of rows kept, the newest ones.
+        """
         self._points = points
-        self.rows: FloatArray = np.empty((0, 1 + figures))
+        self.rows: FloatArray = np.empty((0, 1 + values))
         self._at = -np.inf
 
-    def add(self, stamp: float, figures: FloatArray) -> None:
-        """Take in figures (n,) of a later stamp [s]."""
+    def add(self, stamp: float, values: FloatArray) -> None:
+        """Add values (n,) of a later stamp [s]."""
         if stamp < self._at + INTERVAL - 1e-9 and len(self.rows):
-            self.rows[-1, 1:] = np.maximum(self.rows[-1, 1:], figures)
+            self.rows[-1, 1:] = np.maximum(self.rows[-1, 1:], values)
             return
         self._at = stamp
-        self.rows = np.concatenate([self.rows[1 - self._points :], [[stamp, *figures]]])
+        self.rows = np.concatenate([self.rows[1 - self._points :], [[stamp, *values]]])
 
 
 class Trail:
-    """Where robots have been lately."""
+    """The last positions of all robots."""
 
     def __init__(self, poses: FloatArray, stamp: float) -> None:
-        """They come out of nowhere: poses (n, 3) at a stamp [s]."""
-        self._places: FloatArray = np.repeat(poses[:, None, :2], TRAIL_POINTS, axis=1)
+        """Begin at poses (n, 3) at a stamp [s], as if the robots had stood there before."""
+        self._positions: FloatArray = np.repeat(poses[:, None, :2], TRAIL_POINTS, axis=1)
         self._at = stamp
 
     def add(self, poses: FloatArray, stamp: float) -> None:
-        """They are here at a later stamp [s]."""
+        """Add poses (n, 3) of a later stamp [s]."""
         if stamp >= self._at + TRAIL_INTERVAL - 1e-9:
             self._at = stamp
-            self._places = np.concatenate([self._places[:, 1:], poses[:, None, :2]], axis=1)
+            self._positions = np.concatenate([self._positions[:, 1:], poses[:, None, :2]], axis=1)
 
     def up_to(self, poses: FloatArray) -> FloatArray:
-        """(n, TRAIL_POINTS, 2), oldest first, up to where the robots are drawn now [m]."""
-        if len(self._places) != len(poses):
+        """(n, TRAIL_POINTS, 2), oldest first, ending at the poses that are drawn now [m]."""
+        if len(self._positions) != len(poses):
             return np.repeat(poses[:, None, :2], TRAIL_POINTS, axis=1)
-        places = self._places.copy()
-        places[:, -1] = poses[:, :2]
-        return places
+        positions = self._positions.copy()
+        positions[:, -1] = poses[:, :2]
+        return positions

@@ -1,7 +1,7 @@
-"""Everything that the world and the agents said, the newest of each: what the page is drawn from.
+"""The newest message of each kind from the world, the agents and the ghost: what the page is drawn from.
 
 One thread drains the inbox and only stores, so that a slow page never slows the run. Statuses, which are the most
-messages, wait outside Python until the page looks.
+messages, wait outside Python until the page takes them.
 """
 
 import json
@@ -30,42 +30,40 @@ from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
 from network.zenoh_bus import Sample, Session
 
-SILENCE_SECONDS = 1.5
-"""The world says its state twenty times a second; silent for so long, it is gone."""
 WAITING_GHOSTS = 1000
-"""Ghosts that wait: one that catches up says 450 in a row."""
+"""Ghost messages that wait, at most: a ghost that catches up publishes 450 in a row."""
 WAITING_STATUSES = 2 * MAX_ROBOTS
-"""Statuses that wait for the page to look: of each robot only the newest counts."""
-LEARN_INTERVAL = 0.25
-"""Between two questions for what is flown [s]."""
+"""Statuses that wait, at most: of each robot only the newest counts."""
+SETUP_INTERVAL = 0.25
+"""Between two requests for the setup [s]."""
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
-    """What is known at one moment."""
+class Snapshot:
+    """What the page knows at one moment."""
 
     state: State | None
     """The newest; None before the first."""
     scenario: Scenario | None
-    """What is flown; None until the world has said what fits `state`."""
+    """The scenario; None until the setup that fits `state` has arrived."""
     statuses: Mapping[int, Status]
     poses: FloatArray
-    """(n, 3) true poses, moved between the last two states so that motion is smooth [m, m, rad]."""
+    """(n, 3) true poses, interpolated between the last two states so that motion is smooth [m, m, rad]."""
     stamp: float
     """Simulated time of these poses [s]."""
     ghosts: tuple[Ghost, ...]
-    """What a ghost has said since the last look, oldest first."""
-    here: bool
-    """Whether the world is talking."""
+    """Ghost messages since the last snapshot, oldest first."""
+    world_alive: bool
+    """Whether the world has published its state lately."""
     connected: bool
-    """Whether there is a router."""
+    """Whether the router can be reached."""
 
 
 class TelemetrySubscriber:
-    """Listens to a run: to what is meant for people, some hundred messages a second, however many plans there are."""
+    """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
     def __init__(self, session: Session) -> None:
-        """Subscribe; `start` then listens."""
+        """Subscribe; `start` then begins to receive."""
         self._session = session
         self._lock = threading.Lock()
         self._states: tuple[tuple[float, State], ...] = ()
@@ -75,7 +73,7 @@ class TelemetrySubscriber:
         self._rejects = ThrottledLog()
         self._asked_at = 0.0
         self._over = False
-        self._thread = threading.Thread(target=self._listen, name="feed", daemon=True)
+        self._thread = threading.Thread(target=self._listen, name="telemetry", daemon=True)
         run = session.run
         session.subscribe(topics.state(run))
         self._waiting = session.keep(topics.status(run, "*"), WAITING_STATUSES)
@@ -83,17 +81,17 @@ class TelemetrySubscriber:
         session.appear("dashboard")
 
     def start(self) -> None:
-        """Listen from now on."""
+        """Begin to receive."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Listen no more."""
+        """Receive no more."""
         self._over = True
         self._session.wake()
         self._thread.join(1.0)
 
-    def seen(self) -> Seen:
-        """What is known now."""
+    def snapshot(self) -> Snapshot:
+        """What is known now. Called by the thread that draws, and by no other."""
         now = monotonic()
         for sample in islice(self._waiting.take(), WAITING_STATUSES):
             self._take(sample)
@@ -102,28 +100,28 @@ class TelemetrySubscriber:
         ghosts = tuple(self._ghosts.popleft() for _ in range(len(self._ghosts)))
         poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
-        if state is not None:  # what a dead mind has said last is forgotten for good
-            self._statuses = {robot: said for robot, said in self._statuses.items() if robot in state.live}
+        if state is not None:  # the last status of an agent that is gone is dropped for good
+            self._statuses = {robot: status for robot, status in self._statuses.items() if robot in state.live}
         fits = state is not None and scenario is not None and scenario[0] == state.episode
-        return Seen(
+        return Snapshot(
             state=state,
             scenario=scenario[2] if fits and scenario is not None else None,
             statuses=dict(self._statuses),
             poses=poses,
             stamp=stamp,
             ghosts=ghosts,
-            here=bool(states) and now - states[-1][0] < SILENCE_SECONDS,
+            world_alive=bool(states) and now - states[-1][0] < topics.STATE.stale,
             connected=self._session.connected,
         )
 
-    # ------------------------------------------------------------------ what is flown
+    # ------------------------------------------------------------------ the scenario
 
-    def learn(self) -> None:
-        """Ask what is flown if that has changed; called by the thread that may wait for answers."""
+    def update_scenario(self) -> None:
+        """Request the setup if the scenario has changed; called by the thread that may wait for replies."""
         now = monotonic()
         with self._lock:
             state, known = self._states[-1][1] if self._states else None, self._scenario
-        if state is None or now - self._asked_at < LEARN_INTERVAL:
+        if state is None or now - self._asked_at < SETUP_INTERVAL:
             return
         if known is not None and known[:2] == (state.episode, state.revision):
             return
@@ -139,7 +137,7 @@ class TelemetrySubscriber:
         with self._lock:
             self._scenario = (setup.episode, setup.revision, scenario)
 
-    # ------------------------------------------------------------------ what comes in
+    # ------------------------------------------------------------------ incoming messages
 
     def _listen(self) -> None:
         while not self._over:
@@ -174,10 +172,10 @@ class TelemetrySubscriber:
 
 
 def _checked(state: State) -> State:
-    """The state with its faults as the fault model has them: numbers, even where a peer wrote "30%".
+    """The state, with every fault's values as numbers, also where a peer sent "30%".
 
     Raises:
-        WireError: arrays do not fit each other, a robot does not exist, or a fault makes no sense.
+        WireError: lengths of arrays differ, a robot does not exist, or a fault is not valid.
     """
     n = len(state.poses)
     if n > MAX_ROBOTS:
@@ -201,7 +199,10 @@ def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:
-    """Poses and stamp now: from the state before the last to the last, in the time that lay between them."""
+    """Poses and stamp to draw now, interpolated from the state before the last towards the last.
+
+    The page therefore runs one state (50 ms) behind; it never extrapolates.
+    """
     if not states:
         return np.empty((0, 3)), 0.0
     at, last = states[-1]

@@ -85,9 +85,9 @@ def encoded_health(level: FloatArray, palette: Palette) -> Bytes:
     return _RAMPS[palette][np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]
 
 
-_WORDS = tuple(css(colour) for colour in health(np.linspace(0.0, 1.0, 64)))
+_CSS_HEALTH = tuple(css(colour) for colour in health(np.linspace(0.0, 1.0, 64)))
 
 
 def css_health(level: float) -> str:
     """The dark look's `health` of a level from 0 to 1 for HTML, quickly."""
-    return _WORDS[int(63 * level)]
+    return _CSS_HEALTH[int(63 * level)]

@@ -37,7 +37,7 @@ def remark(text: str) -> str:
     return f'<div style="{FONT};{MUTED};padding:8px 10px">{escape(text)}</div>'
 
 
-def fault_words(fault: Mapping[str, object]) -> str:
+def fault_text(fault: Mapping[str, object]) -> str:
     """A fault in a few words."""
     if fault.get("cut"):
         return "cut"

@@ -1,4 +1,4 @@
-"""Scenario files: what is flown, by whom, with which faults and noise (DESIGN section 7)."""
+"""Scenario files: path, formation, robots, controller, faults and noise (docs/design.md, section 7)."""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -21,14 +21,14 @@ from formation.scenario.registry import WEIGHTS, ControllerName
 from formation.schema import Duration, Model, NonNegative, Positive
 
 MAX_TICKS = 1_000_000
-"""Ticks of one flight: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
+"""Ticks of one episode: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
 MAX_STRIDE = 1000
 """Control intervals in one prediction interval."""
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class Limits(Model):
-    """What a robot can do: |v| <= v, |omega| <= omega."""
+    """Limits of a robot's inputs: |v| <= v, |omega| <= omega."""
 
     v: Positive = 0.5
     """[m/s]."""
@@ -46,7 +46,7 @@ class StartNoise(Model):
 
 
 class Robots(Model):
-    """The bodies: where they start and what they can do."""
+    """The bodies: start poses and limits."""
 
     poses: list[Triple] | None = None
     """Start poses [m, m, rad]; in formation if absent."""
@@ -55,7 +55,7 @@ class Robots(Model):
 
 
 class Noise(Model):
-    """What the prediction model does not know (THEORY section 5); n is standard normal."""
+    """Noise, which the prediction model leaves out (docs/theory.md, section 9); n is standard normal."""
 
     slip: NonNegative = 0.0
     """Each tick v and omega are multiplied by 1 + slip n, each with its own n."""
@@ -68,7 +68,7 @@ class Noise(Model):
 
 
 class Controller(Model):
-    """How the agents think. Weights that are absent are the controller's own."""
+    """The agents' controller. Weights that are absent are the controller's defaults."""
 
     name: ControllerName = "nash"
     horizon: Annotated[int, Field(ge=2, le=100)] = 20
@@ -85,12 +85,12 @@ class Controller(Model):
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega."""
     formation: Positive = 0.3
-    """How much the formation counts against the path (nash); everything else is derived from spacing and limits.
-    More holds the pattern tighter and makes it depend more on fresh messages."""
+    """Weight of the pattern relative to the path (nash); all other weights are derived from the spacing. A larger value
+    holds the pattern tighter and makes it depend more on fresh messages."""
     waits: bool = True
     """Whether a robot waits for those that cannot keep up (nash)."""
     errata: tuple[Literal[1, 2, 3, 4, 5, 13, 14], ...] = ()
-    """Errata of the paper's algorithm that are mended in `paper`, 13 in `leader_follower`; none by default."""
+    """Errata of the paper's algorithm that are corrected in `paper`, 13 in `leader_follower`; none by default."""
     misprints: tuple[Literal[6, 7, 11], ...] = ()
     """Errata that are brought back; without them the tests' data follow from the offsets. `paper`: 6, the virtual
     centre of the triangle; 7, psi_r of the second of two robots. `leader_follower`: 11."""
@@ -106,7 +106,7 @@ class Controller(Model):
 
 
 class Scenario(Model):
-    """One flight, complete: with it, a seed and nothing else, a run can be repeated."""
+    """The complete description of an episode: it determines every trajectory, seed included."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
     source: str = ""
@@ -122,10 +122,10 @@ class Scenario(Model):
     noise: Noise = Noise()
     controller: Controller = Controller()
     link: Fault = Fault()
-    """What every link between robots does unless a fault says otherwise."""
+    """Fault of every link between robots, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
     disturbances: tuple[Disturbance, ...] = ()
-    """What befalls the bodies."""
+    """Disturbances of the bodies."""
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
@@ -186,7 +186,7 @@ class Scenario(Model):
 
         Args:
             robots: whose.
-            rounded: as it can be followed: the formation turns smoothly where the path's heading jumps.
+            rounded: whether the formation turns smoothly where the path's heading jumps.
         """
         offsets = self._offsets
         interval = self.controller.prediction_interval

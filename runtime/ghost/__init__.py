@@ -1,5 +1,5 @@
-"""A ghost: the same flight under another controller, on the same faults, tick by tick beside the live one.
+"""A ghost: the same episode under another controller, with the same faults, tick by tick beside the live one.
 
-Run it with `python -m runtime.ghost --run NAME --connect ENDPOINT`. It idles until the world says that
-somebody wants to compare (`echelon control compare NAME`).
+Run it with `python -m runtime.ghost --run NAME --connect ENDPOINT`. It idles until a comparison
+is requested (`echelon control compare NAME`).
 """

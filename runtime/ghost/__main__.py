@@ -11,7 +11,7 @@ from runtime.ghost.process import GhostNode
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Follow the run until told to end."""
+    """Follow the run until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m runtime.ghost", description=__doc__)
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")

@@ -1,6 +1,6 @@
-"""The ghost's process: keep up with the live flight, and say where the ghost is whenever the world says where it is.
+"""The ghost's process: keep up with the live episode, and publish a Ghost for every State of the world.
 
-It only listens to the newest state, so that it never holds the run up: a ghost that cannot keep pace falls behind,
+It reads the newest state only, so that it never delays the run: a ghost that cannot keep pace falls behind,
 and catches up when it can.
 """
 
@@ -20,19 +20,19 @@ from network.zenoh_bus import Session
 from runtime.ghost.shadow import Shadow
 
 IDLE_SECONDS = 0.25
-"""Between two looks while nobody wants to compare."""
+"""Period of the loop without a comparison [s]."""
 WATCH_SECONDS = 0.01
-"""Between two looks while somebody does."""
+"""Period of the loop during a comparison [s]."""
 RETRY_SECONDS = 0.5
-"""After the world could not be asked."""
+"""Pause after the world did not answer [s]."""
 TURN_SECONDS = 0.1
-"""Spent on flying before it is looked again whether things have changed."""
+"""Longest time spent on simulating before the newest state is read again [s]."""
 SHOWN_SECONDS, SHOWN_INTERVAL = 45.0, 0.1
-"""Of what a ghost that catches up has missed, people see the last so many seconds, in such steps."""
+"""A ghost that catches up publishes this many of the missed seconds, in such steps [s]."""
 
 
 class GhostNode:
-    """Flies a ghost beside a run, while somebody wants it."""
+    """Simulates a ghost beside a run while a comparison is requested."""
 
     def __init__(self, session: Session, lifetime: Lifetime) -> None:
         self._session, self._lifetime = session, lifetime
@@ -47,12 +47,12 @@ class GhostNode:
         session.appear("ghost")
 
     def run(self) -> None:
-        """Until told to end."""
+        """Run until the process is asked to end."""
         while not self._lifetime.over:
             sleep(self._turn())
 
     def _turn(self) -> float:
-        """Do what there is to do for a moment; returns how long to rest [s]."""
+        """One turn of the loop; returns the pause until the next [s]."""
         for sample in self._states.take():
             try:
                 self._state = decode(State, sample.payload)
@@ -71,10 +71,10 @@ class GhostNode:
             return RETRY_SECONDS
         return 0.0 if self._follow(shadow, state) else WATCH_SECONDS
 
-    # ------------------------------------------------------------------ what is flown
+    # ------------------------------------------------------------------ scenario and faults
 
     def _shadow_of(self, state: State) -> Shadow | None:
-        """The flight beside this one, with the faults up to this state; None if the world does not say."""
+        """The ghost of this episode, with the faults up to this state; None if the world does not answer."""
         shadow = self._shadow
         if shadow is None or (shadow.episode, shadow.controller) != (state.episode, state.compare):
             setup = self._session.setup()
@@ -90,7 +90,7 @@ class GhostNode:
         return shadow
 
     def _ask_faults(self, shadow: Shadow) -> bool:
-        """Learn every table of faults so far. False if the world does not say."""
+        """Fetch every fault table so far. False if the world does not answer."""
         while True:
             reply = self._session.ask(GetFaults(known=shadow.known))
             if reply is None:
@@ -104,10 +104,10 @@ class GhostNode:
             if not told.tables or shadow.known >= told.changes:
                 return True
 
-    # ------------------------------------------------------------------ flying
+    # ------------------------------------------------------------------ simulating
 
     def _follow(self, shadow: Shadow, state: State) -> bool:
-        """Fly up to the state, for one turn at most; returns whether there is more to fly at once."""
+        """Simulate up to the state, for one turn at most; returns whether ticks are left to simulate at once."""
         goal = shadow.tick_at(state.stamp)
         shown = goal - shadow.tick_at(SHOWN_SECONDS)
         every = max(1, shadow.tick_at(SHOWN_INTERVAL))

@@ -26,7 +26,7 @@ from dashboard.serving import server
 from dashboard.serving.access import Guard
 from dashboard.serving.server import serve
 from dashboard.telemetry.history import History
-from dashboard.telemetry.links import LOST_SECONDS, LinkView, links
+from dashboard.telemetry.links import LOST_SECONDS, LinkView, ring_links
 from dashboard.telemetry.series import POINTS
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme import colours, formatting
@@ -103,7 +103,7 @@ def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None
 def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
     poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
     now = state(robots, faults={"1->2": {"cut": True}})
-    drawn = arrows(poses, links(now, {}), Sizes.of(0.1), 7)
+    drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
     shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
     for sender in range(robots):
         start, way = poses[sender, :2], np.roll(poses, -1, axis=0)[sender, :2] - poses[sender, :2]
@@ -121,9 +121,9 @@ def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_da
 def test_a_link_is_lost_when_it_is_cut_or_old_or_its_receiver_mute() -> None:
     now = state(stamp=1.0, faults={"1->2": {"cut": True}})
     said = {2: status(2, 1, age=0.1), 3: status(3, 2, age=LOST_SECONDS + 0.1), 1: status(1, 3, age=0.01)}
-    assert [view.word for view in links(now, said)] == ["CUT", "LOST", "OK"]
-    assert [view.lost for view in links(state(stamp=3.0), said)] == [True, True, True]
-    assert [view.age for view in links(state(episode=1), said)] == [None, None, None]
+    assert [view.label for view in ring_links(now, said)] == ["CUT", "LOST", "OK"]
+    assert [view.lost for view in ring_links(state(stamp=3.0), said)] == [True, True, True]
+    assert [view.age for view in ring_links(state(episode=1), said)] == [None, None, None]
 
 
 def test_history_begins_anew_with_a_flight_and_never_outgrows_the_plots() -> None:
@@ -177,14 +177,14 @@ class _World:
 
 
 class _Feed:
-    def learn(self) -> None:
+    def update_scenario(self) -> None:
         pass
 
 
-def _desk(world: _World | Session, told: list[str]) -> RequestQueue:
-    desk = RequestQueue(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
-    desk.start()
-    return desk
+def _requests(world: _World | Session, told: list[str]) -> RequestQueue:
+    requests = RequestQueue(world, _Feed(), lambda page, title, text: told.append(f"{page} {title}: {text}"))  # type: ignore[arg-type]
+    requests.start()
+    return requests
 
 
 def _wait(holds: Callable[[], bool]) -> None:
@@ -196,18 +196,18 @@ def _wait(holds: Callable[[], bool]) -> None:
 
 def test_a_refusal_is_told_to_the_page_that_asked() -> None:
     told: list[str] = []
-    desk = _desk(_World(Reply(False, "latency: too long")), told)
-    desk.ask(Pause(), 3)
+    requests = _requests(_World(Reply(False, "latency: too long")), told)
+    requests.ask(Pause(), 3)
     _wait(lambda: told == ["3 Not done: latency: too long"])
-    desk.stop()
+    requests.stop()
 
 
 def test_silence_is_told_too() -> None:
     told: list[str] = []
-    desk = _desk(_World(None), told)
-    desk.ask(Pause(), 3)
+    requests = _requests(_World(None), told)
+    requests.ask(Pause(), 3)
     _wait(lambda: len(told) == 1 and "No answer: The world did not answer" in told[0])
-    desk.stop()
+    requests.stop()
 
 
 def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
@@ -217,10 +217,10 @@ def test_a_network_that_is_gone_is_told_as_such(tmp_path: Path) -> None:
     with Session(endpoint, "x") as session:
         router.close()
         _wait(lambda: not session.connected)
-        desk = _desk(session, told)
-        desk.ask(Pause(), 3)
+        requests = _requests(session, told)
+        requests.ask(Pause(), 3)
         _wait(lambda: len(told) == 1 and "The network is gone" in told[0])
-        desk.stop()
+        requests.stop()
 
 
 def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureFixture) -> None:
@@ -230,23 +230,23 @@ def test_an_error_without_words_does_not_end_the_desk(caplog: pytest.LogCaptureF
             raise RuntimeError
 
     told: list[str] = []
-    desk = _desk(Broken(None), told)
-    desk.ask(Pause(), 3)
-    desk.ask(Pause(), None)
+    requests = _requests(Broken(None), told)
+    requests.ask(Pause(), 3)
+    requests.ask(Pause(), None)
     _wait(lambda: len(told) == 2)
-    desk.stop()
+    requests.stop()
     assert told == [f"{page} The world could not be asked: RuntimeError" for page in (3, None)]
     assert len(caplog.records) == 1
 
 
 def test_of_a_dragged_slider_only_the_last_value_is_asked_for_and_in_order() -> None:
     world = _World(Reply(True))
-    desk = _desk(world, [])
+    requests = _requests(world, [])
     for loss in (0.1, 0.2, 0.3):
-        desk.change(("1->2", "2->3"), {"loss": loss}, None, 1)
-    desk.ask(Pause(), 1)
+        requests.change(("1->2", "2->3"), {"loss": loss}, None, 1)
+    requests.ask(Pause(), 1)
     _wait(lambda: len(world.asked) == 3)
-    desk.stop()
+    requests.stop()
     assert world.asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
     assert world.asked[2] == Pause()
 
@@ -280,11 +280,11 @@ class _Line:
         return Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
 
 
-def _take(feed: TelemetrySubscriber, key: str, payload: bytes) -> bool:
+def _take(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
     """Whether it was taken, not rejected."""
-    before = feed._rejects.count
-    feed._take(Sample(key, payload))
-    return feed._rejects.count == before
+    before = telemetry._rejects.count
+    telemetry._take(Sample(key, payload))
+    return telemetry._rejects.count == before
 
 
 @pytest.mark.parametrize(
@@ -302,25 +302,25 @@ def _take(feed: TelemetrySubscriber, key: str, payload: bytes) -> bool:
     ],
 )
 def test_a_state_that_cannot_be_is_dropped(changes: dict[str, Any]) -> None:
-    feed = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
-    assert _take(feed, topics.state("x"), encode(state()))
-    assert not _take(feed, topics.state("x"), encode(state(stamp=2.0, **changes)))
-    said = feed.seen().state
+    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    assert _take(telemetry, topics.state("x"), encode(state()))
+    assert not _take(telemetry, topics.state("x"), encode(state(stamp=2.0, **changes)))
+    said = telemetry.snapshot().state
     assert said is not None
     assert said.stamp == 1.0
 
 
 def test_faults_of_a_state_are_numbers_also_if_they_came_as_words() -> None:
-    feed = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
-    assert _take(feed, topics.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
-    said = feed.seen().state
+    telemetry = TelemetrySubscriber(_Line())  # type: ignore[arg-type]
+    assert _take(telemetry, topics.state("x"), encode(state(faults={"1->2": {"loss": "30%", "latency": 0.1}})))
+    said = telemetry.snapshot().state
     assert said is not None
     assert said.faults == {"1->2": {"loss": 0.3, "latency": 0.1}}
 
 
 def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
     line = _Line()
-    feed = TelemetrySubscriber(line)  # type: ignore[arg-type]
+    telemetry = TelemetrySubscriber(line)  # type: ignore[arg-type]
     good = status(1, 3, plan=plan(1, 5))
     for sender, payload in (
         (1, encode(good)),
@@ -329,11 +329,11 @@ def test_a_status_that_cannot_be_is_counted_and_dropped() -> None:
         (2, encode(good)),
     ):
         line.kept[topics.status("x", "*")].append(Sample(topics.status("x", sender), payload))
-    said = feed.seen().statuses
+    said = telemetry.snapshot().statuses
     assert list(said) == [1]
     assert said[1].plan is not None
     assert said[1].plan.seq == 5
-    assert feed._rejects.count == 3
+    assert telemetry._rejects.count == 3
 
 
 @pytest.fixture
@@ -341,8 +341,8 @@ def page() -> Iterator[Page]:
     """A page of three robots that nobody looks at."""
     served = serve(Guard("127.0.0.1"), 0, "x")
     made = Page(served, _Line())  # type: ignore[arg-type]
-    assert _take(made._feed, topics.state("x"), encode(state()))
-    made._feed.learn()
+    assert _take(made._telemetry, topics.state("x"), encode(state()))
+    made._telemetry.update_scenario()
     assert made._frame() == 3
     yield made
     server.stop(served)
@@ -400,10 +400,10 @@ def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
 def test_who_waits_for_others_is_said_with_how_far_behind_it_is(page: Page) -> None:
     behind = dataclasses.replace(plan(2, 99), lag=1.26)
     for said in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
-        page._feed._waiting.kept.append(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
-    seen, views = page._keep()
-    assert "1.3 s behind the clock" in condition(seen)[2]
-    rows = tables.robots(seen, views, page._taps).split("<tr")
+        page._telemetry._waiting.kept.append(Sample(topics.status("x", said.sender), encode(said)))  # type: ignore[attr-defined]
+    snapshot, views = page._keep()
+    assert "1.3 s behind the clock" in condition(snapshot)[2]
+    rows = tables.robots(snapshot, views, page._clickable).split("<tr")
     assert ["−1.3 s" in row for row in rows[2:]] == [False, True, False]
 
 
@@ -425,12 +425,12 @@ def test_a_page_that_nobody_looks_at_keeps_everything_and_draws_now_and_then(
         @property
         def over(self) -> bool:
             self.moments += 1
-            assert _take(page._feed, topics.state("x"), encode(state(stamp=1.0 + 0.2 * self.moments)))
+            assert _take(page._telemetry, topics.state("x"), encode(state(stamp=1.0 + 0.2 * self.moments)))
             return self.moments > 25
 
     monkeypatch.setattr(page, "_frame", frame)
     page.serve(_Lifetime())  # type: ignore[arg-type]
-    kept = page._recording.record()
+    kept = page._export_buffer.data()
     assert kept is not None
     assert len(kept.t) >= 25, "every moment"
     assert drawn
@@ -446,17 +446,17 @@ def test_the_first_frame_of_a_scenario_shows_everything(page: Page) -> None:
 
 
 def test_what_a_dead_mind_said_last_is_forgotten_also_if_it_comes_late(page: Page) -> None:
-    feed = page._feed
-    waiting: list[Sample] = feed._waiting.kept  # type: ignore[attr-defined]
+    telemetry = page._telemetry
+    waiting: list[Sample] = telemetry._waiting.kept  # type: ignore[attr-defined]
     waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
-    assert list(feed.seen().statuses) == [2]
-    assert _take(feed, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
+    assert list(telemetry.snapshot().statuses) == [2]
+    assert _take(telemetry, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
     waiting.append(Sample(topics.status("x", 2), encode(status(2, 1))))
-    seen, views = page._keep()
-    assert not seen.statuses
-    assert [(view.word, view.lost) for view in views] == [("LOST", True), ("...", False), ("...", False)]
-    assert _take(feed, topics.state("x"), encode(state(stamp=1.2)))
-    assert not feed.seen().statuses, "for good"
+    snapshot, views = page._keep()
+    assert not snapshot.statuses
+    assert [(view.label, view.lost) for view in views] == [("LOST", True), ("...", False), ("...", False)]
+    assert _take(telemetry, topics.state("x"), encode(state(stamp=1.2)))
+    assert not telemetry.snapshot().statuses, "for good"
 
 
 @pytest.mark.parametrize("elapsed", [0.0, 0.25, 1.0, 5.0])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from formation.arrays import FloatArray
 from formation.errors import WireError
-from network import codec
+from network import topics
 from network.codec import MAX_BYTES, decode, encode, seal, unseal
 from network.link import damaged
 from network.messages import (
@@ -210,8 +210,8 @@ def sealed(body: object) -> bytes:
 
 
 def test_every_message_class_is_in_the_codec_and_in_these_tests() -> None:
-    assert set(codec._TYPES.values()) == set(KINDS) == set(BUILDERS)
-    assert len(codec._TYPES) == len(KINDS), "two names for one class"
+    assert set(topics.MESSAGES.values()) == set(KINDS) == set(BUILDERS)
+    assert len(topics.MESSAGES) == len(KINDS), "two names for one class"
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)

@@ -14,7 +14,7 @@ MISTAKES = {
     "scenario": (["run", "cirle"], ["scenario", "cirle", "figure8", "did you mean circle"]),
     "file": (["run", "nowhere.toml"], ["nowhere.toml"]),
     "controller": (["run", "--controller", "nsh"], ["controller.name", "nash", "paper", "leader_follower"]),
-    "one mind": (["run", "--controller", "centralised"], ["controller.name", "--engine inprocess", "nash"]),
+    "no process": (["run", "--controller", "centralised"], ["controller.name", "--engine inprocess", "nash"]),
     "preset": (["run", "--faults", "wify"], ["wifi", "congested", "wify"]),
     "key": (["run", "--set", "link.latncy=1"], ["link.latncy", "latency"]),
     "range": (["run", "--set", "link.loss=2"], ["link.loss", "at most 1", "2"]),
@@ -57,9 +57,7 @@ def test_a_file_gets_one_line_per_mistake(runs: Path) -> None:
     file.write_text('name = "bad"\nseed = -1\n[path]\nkind = "circle"\nradius = -2\n[formation]\nshape = "blob"\n')
     lines = echelon("run", str(file), check=2).stderr.strip().splitlines()
     assert len(lines) == 3
-    assert all(
-        key in text for key, text in zip(("seed", "path.radius", "formation.shape"), lines, strict=True)
-    )
+    assert all(key in text for key, text in zip(("seed", "path.radius", "formation.shape"), lines, strict=True))
 
 
 def test_a_taken_port_is_an_error(runs: Path) -> None:

@@ -1,4 +1,4 @@
-"""The bodies: unicycles that slip, get stuck and are pushed, and the noisy localisation of agents (THEORY 5)."""
+"""The bodies: unicycles that slip, get stuck and are pushed, and noisy localisation (docs/theory.md, section 9)."""
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class Plant:
         self._k += 1
 
     def _held_back(self, v: FloatArray, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What is left of the inputs (n,) each of robots that are slowed or stuck."""
+        """The inputs (n,) each, reduced for robots that are slowed or stuck."""
         share = np.ones(len(v))
         for entry in self._acting():
             share[entry.robot - 1] *= entry.drive

@@ -154,8 +154,8 @@ def progress(*settings: str) -> tuple[Scenario, Pair, Progress]:
     return scenario, pair, Progress(pair, scenario.spacing)
 
 
-def said(k: int, lag: float, drift: float = 0.0) -> Plan:
-    return Plan(3, k, k * 0.01, 0, np.zeros(3), 0.1, np.zeros((20, 2)), lag, drift)
+def said(k: int, lag: float, lag_rate: float = 0.0) -> Plan:
+    return Plan(3, k, k * 0.01, 0, np.zeros(3), 0.1, np.zeros((20, 2)), lag, lag_rate)
 
 
 def test_a_heard_lag_is_taken_over_and_what_travelled_is_added() -> None:
@@ -164,7 +164,7 @@ def test_a_heard_lag_is_taken_over_and_what_travelled_is_added() -> None:
         one.update(k, pair.slot(k, 0)[0], said(k, 0.2))
     assert pair.lag == pytest.approx(0.2, abs=0.01)
     for k in range(101, 201):
-        one.update(k, pair.slot(k, 0)[0], said(k - 50, 0.2, drift=1.0))
+        one.update(k, pair.slot(k, 0)[0], said(k - 50, 0.2, lag_rate=1.0))
     assert pair.lag == pytest.approx(0.7, abs=0.03)
 
 
@@ -193,5 +193,5 @@ def test_only_who_does_not_move_as_planned_holds_back() -> None:
     for k in range(60, 160):  # behind, and it does not
         one.planned(behind, np.full((20, 2), [0.1, 0.0]))
         one.update(k, behind, None)
-    assert one.drift == 1.0
+    assert one.lag_rate == 1.0
     assert pair.lag > 0.5

@@ -11,8 +11,8 @@ import pytest
 
 from dashboard.export.csv_and_replay import as_csv, as_replay, file_name
 from dashboard.scene.scene import route_line
-from dashboard.telemetry.links import links
-from dashboard.telemetry.recording import CUT, DEAD, HELD, LOST, ROWS, Record, Recording
+from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, ExportBuffer, ExportData
+from dashboard.telemetry.links import ring_links
 from dashboard.theme.palette import DARK, LIGHT
 from formation.scenario.files import load
 from network.messages import Event, State
@@ -21,11 +21,11 @@ from tests.builders import state, status
 EVIL = "</script><script>alert(1)</script><!-- \u2028 & \"' =1+1"
 
 
-def kept(*states: State) -> Record:
-    recording = Recording()
+def kept(*states: State) -> ExportData:
+    export_buffer = ExportBuffer()
     for said in states:
-        recording.add(said, links(said, {}), {})
-    found = recording.record()
+        export_buffer.add(said, ring_links(said, {}), {})
+    found = export_buffer.data()
     assert found is not None
     return found
 
@@ -37,21 +37,21 @@ def read(replay: bytes) -> dict[str, object]:
     return data
 
 
-def replay_of(record: Record) -> bytes:
+def replay_of(record: ExportData) -> bytes:
     scenario = load("triangle-circle")
     return as_replay("run", record, scenario, route_line(scenario), DARK)
 
 
 def test_before_the_first_state_there_is_nothing_to_take() -> None:
-    assert Recording().record() is None
+    assert ExportBuffer().data() is None
 
 
 def test_the_last_rows_are_kept_in_order_and_no_more() -> None:
-    recording = Recording()
+    export_buffer = ExportBuffer()
     for tick in range(ROWS + 50):
         said = state(stamp=0.1 * tick)
-        recording.add(said, links(said, {}), {})
-    record = recording.record()
+        export_buffer.add(said, ring_links(said, {}), {})
+    record = export_buffer.data()
     assert record is not None
     np.testing.assert_allclose(record.t, 0.1 * np.arange(50, ROWS + 50))
     assert record.flags.shape == (ROWS, 3)
@@ -88,9 +88,9 @@ def test_a_record_says_who_is_lost_held_and_cut() -> None:
 
 def test_the_csv_holds_what_the_world_said() -> None:
     said = state(stamp=1.0, distance_errors=np.array([0.001, -0.002, 0.003]), tracking_error=0.004)
-    recording = Recording()
-    recording.add(said, links(said, {2: status(2, 1, age=0.25)}), {2: status(2, 1)})
-    record = recording.record()
+    export_buffer = ExportBuffer()
+    export_buffer.add(said, ring_links(said, {2: status(2, 1, age=0.25)}), {2: status(2, 1)})
+    record = export_buffer.data()
     assert record is not None
     rows = list(csv.DictReader(io.StringIO(as_csv(record).decode())))
     assert len(rows) == 1

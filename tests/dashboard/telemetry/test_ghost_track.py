@@ -9,7 +9,7 @@ import pytest
 
 from dashboard.panels import plots
 from dashboard.panels.comparison import comparison
-from dashboard.telemetry.ghost_track import FAR_BEHIND, Comparison, GhostTrack, verdicts
+from dashboard.telemetry.ghost_track import FAR_BEHIND, Comparison, GhostTrack, comparisons
 from dashboard.telemetry.history import History
 from formation.arrays import FloatArray
 from network.messages import Ghost, State
@@ -35,19 +35,19 @@ def places(track: GhostTrack, stamp: float) -> FloatArray:
 @pytest.mark.parametrize("stamp", [1.0, 1.03, 2.999, 3.0])
 def test_the_ghost_is_drawn_where_it_was_at_the_stamp_of_the_robots(stamp: float) -> None:
     track = GhostTrack()
-    track.follow(beside(3.0), [ghost(0.1 * i) for i in range(40)])
+    track.update(beside(3.0), [ghost(0.1 * i) for i in range(40)])
     np.testing.assert_allclose(places(track, stamp)[:, 0], stamp, atol=1e-12)
 
 
 def test_between_two_words_the_ghost_turns_the_short_way_round() -> None:
     track = GhostTrack()
-    track.follow(beside(3.2), [ghost(3.1), ghost(3.2)])
+    track.update(beside(3.2), [ghost(3.1), ghost(3.2)])
     assert np.abs(np.abs(places(track, 3.15)[:, 2]) - np.pi).max() < 0.02
 
 
 def test_a_ghost_that_is_far_behind_is_not_drawn() -> None:
     track = GhostTrack()
-    track.follow(beside(5.0), [ghost(1.0), ghost(1.1)])
+    track.update(beside(5.0), [ghost(1.0), ghost(1.1)])
     assert track.poses(5.0) is None
     assert track.poses(1.1 + 0.9 * FAR_BEHIND) is not None
 
@@ -57,9 +57,9 @@ def test_a_ghost_that_is_far_behind_is_not_drawn() -> None:
 )
 def test_a_ghost_of_another_flight_or_comparison_is_forgotten(now: State) -> None:
     track = GhostTrack()
-    track.follow(beside(3.0), [ghost(2.9), ghost(3.0)])
+    track.update(beside(3.0), [ghost(2.9), ghost(3.0)])
     assert track.newest is not None
-    track.follow(now, [ghost(3.1)])
+    track.update(now, [ghost(3.1)])
     assert track.newest is None
     assert track.poses(3.0) is None
     assert np.isnan(track.at(np.array([3.0]))["ghost_distance"]).all()
@@ -67,8 +67,8 @@ def test_a_ghost_of_another_flight_or_comparison_is_forgotten(now: State) -> Non
 
 def test_a_ghost_that_begins_again_leaves_nothing_of_its_former_self() -> None:
     track = GhostTrack()
-    track.follow(beside(3.0), [ghost(0.1 * i) for i in range(30)])
-    track.follow(beside(3.0), [ghost(0.1), ghost(0.2)])
+    track.update(beside(3.0), [ghost(0.1 * i) for i in range(30)])
+    track.update(beside(3.0), [ghost(0.1), ghost(0.2)])
     assert track.newest is not None
     assert track.newest.stamp == 0.2
     known = np.isfinite(track.at(np.array([0.0, 0.1, 0.15, 0.2, 2.0]))["ghost_angle"])
@@ -80,7 +80,7 @@ def flown(live: float, other: float, seconds: float = 30.0) -> History:
     history = History()
     for i in range(int(20 * seconds)):
         now = beside(0.05 * i, distance_errors=np.full(3, live), tracking_error=live)
-        history.ghost.follow(now, [ghost(0.05 * i, error=other)])
+        history.ghost.update(now, [ghost(0.05 * i, error=other)])
         history.add(now, [])
     return history
 
@@ -98,8 +98,8 @@ def flown(live: float, other: float, seconds: float = 30.0) -> History:
 )
 def test_the_verdict_says_how_many_times_better_or_worse(live: float, other: float, words: str) -> None:
     history = flown(live, other)
-    found = verdicts(history.series())
-    assert [verdict.words for verdict in found] == [words, words]
+    found = comparisons(history.series())
+    assert [verdict.factor for verdict in found] == [words, words]
     html = comparison(beside(30.0), history)
     assert html.count(escape(words)) == 2
     assert "nash" in html
@@ -110,16 +110,16 @@ def test_only_what_both_have_flown_is_compared() -> None:
     history = flown(0.001, 0.01, seconds=5.0)
     for i in range(100, 200):  # the ghost falls silent, and the live flight goes wild
         history.add(beside(0.05 * i, distance_errors=np.full(3, 9.0)), [])
-    assert verdicts(history.series())[0].words == "10 x better"
+    assert comparisons(history.series())[0].factor == "10 x better"
 
 
 def test_without_a_ghost_there_is_no_verdict_but_a_word_of_why() -> None:
     history = History()
     for i in range(100):
         history.add(beside(0.1 * i), [])
-    assert verdicts(history.series()) == []
+    assert comparisons(history.series()) == []
     assert "Waiting for the ghost" in comparison(beside(9.9), history)
-    history.ghost.follow(beside(9.9), [ghost(3.0)])
+    history.ghost.update(beside(9.9), [ghost(3.0)])
     assert "3 of 10 s" in comparison(beside(9.9), history)
     assert comparison(state(stamp=9.9), history) == ""
 
@@ -131,7 +131,7 @@ def test_names_from_elsewhere_are_escaped() -> None:
 
 
 def test_errors_that_are_nothing_on_the_ground_are_no_victory() -> None:
-    assert Comparison("distance", 1e-5, 1e-4).words == "the same"
+    assert Comparison("distance", 1e-5, 1e-4).factor == "the same"
 
 
 def test_the_ghosts_line_goes_on_while_its_word_is_under_way_and_no_longer() -> None:

@@ -71,7 +71,7 @@ def test_under_another_controller_the_ghost_meets_the_same_faults_and_flies_othe
             disturb(live.world, draws)
         live.step()
     follow(shadow, live.world)
-    ours, theirs = ({i: a.counts() for i, a in flight.agents.items()} for flight in (live, shadow._flight))
+    ours, theirs = ({i: a.counts() for i, a in flight.agents.items()} for flight in (live, shadow._simulation))
     assert sum(counts.lost for counts in ours.values()) > 20
     assert ours == theirs
     assert np.abs(shadow.message(1).poses - live.world.plant.poses).max() > 1e-3

@@ -1,4 +1,4 @@
-"""The last minutes of a flight, kept to be taken away: simulated time only, started anew with every flight."""
+"""The last minutes of an episode, kept for export, in simulated time; cleared at the start of every episode."""
 
 import threading
 from collections import deque
@@ -13,19 +13,19 @@ from network.messages import Event, State, Status
 
 ROWS = 3000
 ROW_SECONDS = 0.1
-"""Between two rows, at least: five minutes in all at real time's pace, more where time flies."""
+"""Simulated time between two rows, at least [s]: ROWS hold five minutes."""
 KEPT_EVENTS = 500
 LOST, DEAD, HELD, CUT = 1, 2, 4, 8
-"""Bits of a robot's flags: the link from it lost or cut, its agent not there, it held by the watchdog."""
+"""Bits of a robot's flags: the link from it is lost or cut; it has no agent; it is stopped by the watchdog."""
 _FLOATS = ("x", "y", "heading", "slot_x", "slot_y", "distance_error", "angle_error", "age", "solve")
-"""Of every robot [m, rad, s]; `age` is of the plan over the link from it, -1 if unknown."""
+"""Columns of every robot [m, rad, s]; `age` is that of the plan over the link from it, -1 if unknown."""
 
 Flags = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
-    """What was kept."""
+class ExportData:
+    """A copy of the buffer, in the order of time."""
 
     scenario: str
     controller: str
@@ -41,8 +41,8 @@ class Record:
     events: tuple[Event, ...]
 
 
-class Recording:
-    """Keeps what the world says."""
+class ExportBuffer:
+    """Keeps the states of the world, at most ROWS of them."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -56,17 +56,17 @@ class Recording:
         self._newest = 0
 
     def add(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> None:
-        """Take the newest state in."""
+        """Add the newest state."""
         with self._lock:
             if self._key != (state.episode, len(state.poses)):
                 self._begin(state)
             top = max((event.number for event in state.events), default=0)
-            if top < self._newest:  # another world counts anew
+            if top < self._newest:  # another world process, which numbers events from 1
                 self._newest = 0
             self._events.extend(event for event in state.events if event.number > self._newest)
             self._newest = top
             newest_row = self._times[(self._count - 1) % ROWS, 0] if self._count else -1.0
-            if state.stamp == newest_row:  # time stands still: what is known now is what counts
+            if state.stamp == newest_row:  # paused: the newest state replaces the last row
                 self._count -= 1
             elif state.stamp < newest_row + ROW_SECONDS - 1e-6:
                 return
@@ -88,15 +88,15 @@ class Recording:
         self._flags = np.zeros((ROWS, len(state.poses)), dtype=np.uint8)
         self._events.clear()
 
-    def record(self) -> Record | None:
-        """A copy of what was kept; None before there is anything."""
+    def data(self) -> ExportData | None:
+        """A copy of the rows; None while there are none."""
         with self._lock:
             if not self._count:
                 return None
             rows = np.arange(max(0, self._count - ROWS), self._count) % ROWS
             times, floats = self._times[rows], self._floats[rows]
             scenario, controller = self._names
-            return Record(
+            return ExportData(
                 scenario=scenario,
                 controller=controller,
                 robots=self._key[1],
@@ -109,6 +109,6 @@ class Recording:
 
 
 def _flags(state: State, link: LinkView) -> int:
-    """Of the robot that sends over this link."""
+    """Flags of the robot that sends over this link."""
     robot = link.sender
     return LOST * link.lost + CUT * link.cut + DEAD * (robot not in state.live) + HELD * (robot in state.stopped)

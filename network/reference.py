@@ -1,0 +1,31 @@
+"""The table of messages as README has it, made of network/topics.py: `python -m network.reference` prints it."""
+
+import sys
+
+from network.control import OPERATIONS
+from network.topics import ALIVE, CONTROL, ROOT, TOPICS, Topic
+
+
+def table() -> str:
+    """Markdown, a line per topic."""
+    head = ["| key expression | message | from | rate |", "|---|---|---|---|"]
+    return "\n".join([*head, *(_line(topic) for topic in TOPICS)]) + "\n"
+
+
+def _line(topic: Topic) -> str:
+    key = f"`{ROOT}/{{run}}/{topic.path}`"
+    pace = topic.pace or f"{topic.rate:g} Hz"
+    return f"| {key} | {_message(topic)} | {topic.sender} | {pace} |"
+
+
+def _message(topic: Topic) -> str:
+    if topic is ALIVE:
+        return topic.carries
+    if topic is CONTROL:
+        asked, *answers = (kind.__name__ for kind in topic.messages)
+        return f"{topic.carries}: {asked} ({', '.join(OPERATIONS)}); answered by {' or '.join(answers)}"
+    return f"{topic.messages[0].__name__}: {topic.carries}"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(table())

@@ -1,0 +1,50 @@
+"""Laws of the table of topics: it covers every message and key, and README says what it says."""
+
+import math
+import re
+import typing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from network import reference, topics
+from network.messages import Message
+from network.topics import TOPICS, Topic
+
+README = Path(__file__).parents[2] / "README.md"
+
+
+def test_every_message_has_a_topic() -> None:
+    assert set(topics.MESSAGES.values()) == set(typing.get_args(Message))
+
+
+def test_names_and_keys_are_distinct() -> None:
+    assert len({topic.name for topic in TOPICS}) == len({topic.path for topic in TOPICS}) == len(TOPICS)
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+def test_a_key_leads_back_to_its_topic(topic: Topic) -> None:
+    key = topic.key("some-run", 12, "agent")
+    assert topics.topic_of(key) is topic
+    assert topics.robot_of(key) == (12 if "{id}" in topic.path else None)
+
+
+@pytest.mark.parametrize(
+    "key", ["", "tick", "echelon/x", "echelon/x/ticks", "other/x/tick", "echelon/x/robot/1", "a/b/c"]
+)
+def test_another_key_has_no_topic(key: Any) -> None:
+    assert topics.topic_of(key) is None
+
+
+def test_a_sender_that_counts_as_gone_has_missed_several_messages() -> None:
+    for topic in TOPICS:
+        if topic.stale < math.inf:
+            assert topic.stale > 2.0 * topic.interval
+
+
+def test_readme_has_the_table() -> None:
+    """`python -m network.reference` prints it."""
+    found = re.search(r"(?m)^\| key expression .*\n(?:\|.*\n)+", README.read_text(encoding="utf-8"))
+    assert found
+    assert found[0] == reference.table()

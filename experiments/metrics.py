@@ -1,4 +1,4 @@
-"""Metrics of error signals that reports and studies share; `rms`, `quantile`, `clearance` are formation/metrics.py's."""
+"""Metrics of error signals in reports and studies; `rms`, `quantile` and `clearance` are in formation/metrics.py."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The page of errata: what is printed, what it must be, what shows it, and what it does to the errors of a formation."""
+"""The page of errata: what is printed, what it must be, what shows it, and how it changes a formation's errors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -63,9 +63,7 @@ def errata_table(rms_mm: Mapping[str, float]) -> tuple[Erratum, ...]:
             entry.printed,
             entry.mended,
             f"{entry.shows.format(*entry.numbers())} (test_{entry.test})",
-            {
-                case: (rms_mm[printed.name], rms_mm[mended.name]) for case, (printed, mended) in _pairs(entry).items()
-            }
+            {case: (rms_mm[printed.name], rms_mm[mended.name]) for case, (printed, mended) in _pairs(entry).items()}
             or None,
             entry.note,
         )

@@ -1,7 +1,8 @@
 """What shows that the equations are misprinted: each number as (printed, mended), computed from the product's code.
 
 One `Case` is a pair of robots somewhere, with inputs, reference and virtual centre drawn from a seed; its exact motion
-judges eq. (3) and the appendix. experiments/errata/errata.py puts these numbers into a table; tests/experiments/errata holds them.
+judges eq. (3) and the appendix. experiments/errata/errata.py puts these numbers into a table,
+tests/experiments/errata holds them.
 """
 
 import math

@@ -86,13 +86,14 @@ def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Sectio
                 "Without noise every prediction is perfect, and lateness costs nothing. Here wheels slip (each tick v "
                 "and ω are multiplied by 1 + 0.2 n, and 0.2 n rad/s is added to ω; n is standard normal) and robots "
                 "measure their poses with errors of 1 mm and 0.01 rad. A triangle drives round the circle; measured is "
-                f"the second half of 40 s, {seeds}, the same noise and the same faults for every row. **Aged** plans are rolled "
-                "forward along themselves by their age; the others are taken as if they had just been made.",
+                f"the second half of 40 s, {seeds}, the same noise and the same faults for every row. **Aged** plans "
+                "are rolled forward along themselves by their age; the others are taken as if they had just been made.",
                 Picture("late-plans", _drawn(found), _CAPTION, _ALT),
                 table(found),
                 verdict(found),
-                "These numbers say little about messages: the heavy weight on the centre makes each robot follow its own "
-                "slot, which needs no message. What messages are worth shows when a robot [cannot keep its slot](#stuck).",
+                "These numbers say little about messages: the heavy weight on the centre makes each robot follow its "
+                "own slot, which needs no message. What messages are worth shows when a robot "
+                "[cannot keep its slot](#stuck).",
             ),
         )
     ]

@@ -94,7 +94,9 @@ def _results(extent: Extent, place: Place, tell: Callable[[str], None], progress
     batch: list[Work] = [*chapters, *(effects if extent.limit is None else ()), *laps]
     if len({work.name for work in batch}) != len(batch):
         raise ValueError("two trials have the same name")
-    plain = {work.name: data for work, data in zip(batch, run_batch(batch, place, tell=tell, progress=progress), strict=True)}
+    plain = {
+        work.name: data for work, data in zip(batch, run_batch(batch, place, tell=tell, progress=progress), strict=True)
+    }
     signals = {trial.name: result_of(trial, plain[trial.name]).signals for trial in chapters}
     rms_mm = {
         trial.name: 1e3 * plain[trial.name]["values"][errata.MEASURE] if extent.limit is None else math.nan
@@ -114,9 +116,7 @@ def compose(extent: Extent, results: Results) -> Report:
     if extent.limit is not None:
         sections = [unjudged(section) for section in sections]
     cut = (
-        ""
-        if extent.limit is None
-        else (f" **Every trial was cut at {extent.limit:g} s: too short to judge a claim.**")
+        "" if extent.limit is None else (f" **Every trial was cut at {extent.limit:g} s: too short to judge a claim.**")
     )
     lead = (
         "Lee, Kim, Lee and Myung (2014) let wheeled robots keep a formation by a receding-horizon Nash game between "
@@ -127,7 +127,8 @@ def compose(extent: Extent, results: Results) -> Report:
         "from the trials: “very small” and “much smaller” mean a fifth at most, “small” a tenth of the spacing, "
         "“zero” a hundredth. The distance error is lₑ = lᵣ − l of a robot and its upstream neighbour, the angle error "
         "ψₑ = ψᵣ − ψ (section 2.1).",
-        f"Echelon {release()}, {len(results.signals)} trials, seed {extent.seed}. The same seed gives the same bytes.{cut}",
+        f"Echelon {release()}, {len(results.signals)} trials, seed {extent.seed}. "
+        f"The same seed gives the same bytes.{cut}",
     )
     return Report(TITLE, lead, (*sections, _files(sections)))
 

@@ -9,7 +9,17 @@ from experiments.metrics import Spread, spread
 from experiments.paper import claims
 from experiments.paper.bounds import bounds
 from experiments.paper.chapters import IN_FORMATION, Chapter, Extent, controller, controllers
-from experiments.report.figures import BOX_FLOOR, EVERY, FLOOR, MILLI, Curve, boxes, error_lines, over_time, trajectories
+from experiments.report.figures import (
+    BOX_FLOOR,
+    EVERY,
+    FLOOR,
+    MILLI,
+    Curve,
+    boxes,
+    error_lines,
+    over_time,
+    trajectories,
+)
 from experiments.report.report import Picture, Section
 from experiments.report.style import PALETTE, colour
 from experiments.report.table import Cell, Table
@@ -63,9 +73,9 @@ def _first(trials: Mapping[str, Signals]) -> Section:
         "First test: two robots on the figure 8 (figs. 3 to 5)",
         (
             "Two robots side by side, 0.1 m apart, on reference path 1; N = 20, ΔT = 0.1 s, δt = 0.01 s, so the "
-            f"horizon is 2 s. The printed start poses are {claims.mm(start)} off in distance, whatever controller starts "
-            f"there, so measures begin after {claims.SETTLING:g} s. `paper` is the algorithm as printed, on test data "
-            "that are consistent ([errata 6 to 11](#errata) mended).",
+            f"horizon is 2 s. The printed start poses are {claims.mm(start)} off in distance, whatever the "
+            f"controller, so measures begin after {claims.SETTLING:g} s. `paper` is the algorithm as printed, on test "
+            "data that are consistent ([errata 6 to 11](#errata) mended).",
             Picture(
                 "fig03-trajectories",
                 trajectories([("paper, as printed", paper), ("nash", nash)], 5.0, follower),
@@ -169,8 +179,8 @@ def _spread_table(
 ) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for path, found in _spreads(paths, what, scale).items():
-        for controller, (_, size) in found.items():
-            rows.append((path, controller, size.lower, size.median, size.upper, size.rms, size.maximum))
+        for method, (_, size) in found.items():
+            rows.append((path, method, size.lower, size.median, size.upper, size.rms, size.maximum))
     heads = ("path", "controller", "lower quartile", "median", "upper quartile", "RMS", "maximum")
     return Table(name, caption, heads, tuple(rows))
 

@@ -131,11 +131,11 @@ def worth_of_messages(found: Mapping[tuple[str, str], Signals]) -> str:
     )
     return (
         f"What messages are worth: the others wait. `nash` keeps the worst error at {waits[0]} with plans on time and "
-        f"{waits[1]} with plans {LATE:g} s late, against {own[0]} of robots that receive nothing (`virtual_structure`). "
+        f"{waits[1]} with plans {LATE:g} s late, against {own[0]} of robots without messages (`virtual_structure`). "
         f"Robots that know the neighbour's place but do not wait gain little ({alone[0]}): the path does not wait, "
         f"and each follows its own slot. Ageing the plans changes little here ({fresh[0]} and {fresh[1]} when they "
-        "are taken as if fresh): how far a robot is behind is a field of its plan, which stays valid longer than the "
-        "plan. The effect of ageing shows under noise, [below](#late-and-lost): the centre stays on the path."
+        "are taken as if fresh): a plan also carries how far its robot is behind, which is of use even when the "
+        "plan is old. The effect of ageing shows under noise, [below](#late-and-lost): the centre stays on the path."
     )
 
 

@@ -94,9 +94,7 @@ def table(found: Mapping[tuple[str, float], Sequence[Signals]], spacing: Mapping
 
 def verdict(found: Mapping[tuple[str, float], Sequence[Signals]], spacing: Mapping[str, float]) -> Verdict:
     """What this project claims of `nash` with changes of shape."""
-    least = {
-        key: min(clearance(trial.poses) for trial in trials) / spacing[key[0]] for key, trials in found.items()
-    }
+    least = {key: min(clearance(trial.poses) for trial in trials) / spacing[key[0]] for key, trials in found.items()}
     worst = min(least, key=least.__getitem__)
     return Verdict(
         f"This project: while the shape changes no two robots come closer than {CLEAR:g} of the spacing, with plans "

@@ -16,7 +16,9 @@ def points(study: Study) -> Iterator[tuple[dict[str, Value], str, Overrides]]:
     for name in study.scenarios:
         for labels in itertools.product(*(axis.labels for axis in study.axes)):
             chosen = list(zip(study.axes, labels, strict=True))
-            point: dict[str, Value] = {"scenario": Path(name).stem} | {axis.name: label for axis, label in chosen}
+            point: dict[str, Value] = dict(
+                (("scenario", Path(name).stem), *((axis.name, label) for axis, label in chosen))
+            )
             yield point, name, merged(study.overrides, *(axis.overrides(label) for axis, label in chosen))
 
 

@@ -68,7 +68,12 @@ def _logarithmic(axes: Axes) -> None:
 
 
 def bands(
-    axes: Axes, study: Study, spec: FigureSpec, found: Sequence[Group], panel: Value | None, lines: Sequence[Value | None]
+    axes: Axes,
+    study: Study,
+    spec: FigureSpec,
+    found: Sequence[Group],
+    panel: Value | None,
+    lines: Sequence[Value | None],
 ) -> dict[str, Any]:
     """A line over x per label of `by`."""
     labels = study.labels[str(spec.x)]

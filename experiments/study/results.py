@@ -62,7 +62,9 @@ def run_and_write(study: Study, place: Place, *, tell: Callable[[str], None], pr
     """
     trials = grid.trials(study)
     found = run_batch(trials, place, tell=tell, progress=progress)
-    return write(study, trials, [result_of(trial, plain) for trial, plain in zip(trials, found, strict=True)], place.folder)
+    return write(
+        study, trials, [result_of(trial, plain) for trial, plain in zip(trials, found, strict=True)], place.folder
+    )
 
 
 def write(study: Study, trials: Sequence[Trial], results: Sequence[TrialResult], folder: Path) -> Outcome:

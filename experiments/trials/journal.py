@@ -24,7 +24,9 @@ class Journal:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = (folder / NAME).open("a+b")
         except OSError as error:
-            raise EchelonError(f"--out: expected a folder that can be written; got {folder} ({error.strerror})") from None
+            raise EchelonError(
+                f"--out: expected a folder that can be written; got {folder} ({error.strerror})"
+            ) from None
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:

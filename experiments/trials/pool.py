@@ -1,4 +1,4 @@
-"""Work in parallel: on processes of this machine, or on the workers of a Dask cluster. Results come as they are ready."""
+"""Parallel work: on processes of this machine, or on the workers of a Dask cluster; results come as they are ready."""
 
 import os
 import signal

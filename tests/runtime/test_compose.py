@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from formation.scenario.files import load, shipped
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
@@ -14,53 +15,10 @@ from runtime.process_list import Plan, Program, programs
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
-LINE = re.compile(r"( *)([\w.-]+):(?: &\w+)?(?: (.*))?")
-ITEM = re.compile(r" +- (\S.*)")
-
-
-def parsed(text: str) -> dict[str, Any]:
-    """The little of YAML that our compose files use: nested keys, JSON or bare values, lists, and one anchor."""
-    root: dict[str, Any] = {}
-    open_maps: list[tuple[int, dict[str, Any]]] = [(-1, root)]
-    shared: dict[str, Any] = {}
-    holder, key = root, ""
-    for line in text.splitlines():
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        if line.strip() == "<<: *service":
-            open_maps[-1][1].update(shared)
-        elif item := ITEM.fullmatch(line):
-            if not isinstance(holder[key], list):
-                holder[key] = []
-                open_maps.pop()
-            holder[key].append(value_of(item[1]))
-        else:
-            match = LINE.fullmatch(line)
-            assert match is not None, line
-            indent, key, text_value = len(match[1]), match[2], match[3]
-            while open_maps[-1][0] >= indent:
-                open_maps.pop()
-            holder = open_maps[-1][1]
-            assert key not in holder or holder[key] == shared.get(key), f"twice: {line}"
-            if text_value is None:
-                holder[key] = {}
-                open_maps.append((indent, holder[key]))
-                if "&service" in line:
-                    shared = holder[key]
-            else:
-                holder[key] = value_of(text_value)
-    return root
-
-
-def value_of(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError:
-        return text[1:-1].split(", ") if text.startswith("[") else text
 
 
 def services(scenario: str = SCENARIO, settings: Sequence[str] = ()) -> dict[str, Any]:
-    found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, settings), settings))["services"]
+    found: dict[str, Any] = yaml.safe_load(compose_file(scenario, load(scenario, settings), settings))["services"]
     return found
 
 
@@ -76,28 +34,6 @@ def without(arguments: Sequence[str], *flags: str) -> list[str]:
             at = left.index(flag)
             del left[at : at + 2]
     return left
-
-
-def test_the_parser_reads_what_is_there() -> None:
-    text = """\
-x: &service
-  a: [B]
-  n: [f]
-
-services:
-  one:
-    <<: *service
-    c: ["p", "1"]
-    h:
-      t: 5s
-    p:
-      - "q"
-      - "r"
-    e: no
-"""
-    assert parsed(text)["services"] == {
-        "one": {"a": ["B"], "n": ["f"], "c": ["p", "1"], "h": {"t": "5s"}, "p": ["q", "r"], "e": "no"}
-    }
 
 
 def test_the_file_is_what_the_generator_gives() -> None:

@@ -7,7 +7,7 @@ import sys
 from agents.process import AgentNode
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -19,7 +19,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     logging.basicConfig(format=f"%(name)s agent {options.id}: %(message)s", stream=sys.stderr)
     try:
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             AgentNode(session, options.id, Lifetime(session.wake)).run()
     except EchelonError as error:
         print(f"agent {options.id}: {error}", file=sys.stderr)

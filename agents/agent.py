@@ -19,6 +19,7 @@ from formation import unicycle
 from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.pattern import upstream
 from formation.scenario.registry import AGEING
 from formation.scenario.scenario import Scenario
@@ -63,8 +64,8 @@ class Agent:
         if self._ages is None:
             self._ages = scenario.controller.name in AGEING
         self._belief = Belief()
-        self._plans: Link[Plan] = Link(scenario.seed, str(self.upstream), str(robot), scenario.link)
-        self._poses: Link[FloatArray] = Link(scenario.seed, "world", str(robot))
+        self._plans: Link[Plan] = Link(scenario.seed, LinkId.plans_to(robot, scenario.size), scenario.link)
+        self._poses: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self._pose: tuple[int, FloatArray] | None = None
         self._commands: deque[tuple[int, float, float]] = deque(maxlen=REMEMBERED_COMMANDS)
         self._last: tuple[int, Solution, FloatArray] | None = None
@@ -73,10 +74,10 @@ class Agent:
         self._corrupt = 0
         self._solves: list[float] = []
 
-    def set_faults(self, faults: Mapping[str, Fault]) -> None:
+    def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
-        self._plans.fault = faults.get(f"{self.upstream}->{self.robot}", PERFECT)
-        self._poses.fault = faults.get(f"world->{self.robot}", PERFECT)
+        self._plans.fault = faults.get(self._plans.id, PERFECT)
+        self._poses.fault = faults.get(self._poses.id, PERFECT)
 
     @property
     def heard(self) -> int:
@@ -141,7 +142,7 @@ class Agent:
             seq=k,
             stamp=stamp,
             episode=self.episode,
-            link=f"{self.upstream}->{self.robot}",
+            link=self._plans.id,
             age=self._belief.seconds_old(stamp),
             plan=self._said,
             held=self._belief.plan,

@@ -13,14 +13,14 @@ from pydantic import ValidationError
 
 from agents.agent import Agent, Answer
 from formation.errors import WireError
-from formation.faults import Fault
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.lifetime import Lifetime
 from network.messages import WORLD, Plan, Tick
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 
 STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
@@ -35,7 +35,7 @@ KEPT_PLANS = 256
 class AgentNode:
     """Keeps the agent of one robot in touch with the world and its neighbour."""
 
-    def __init__(self, session: Session, robot: int, lifetime: Lifetime) -> None:
+    def __init__(self, session: ZenohBus, robot: int, lifetime: Lifetime) -> None:
         self._session, self._robot, self._lifetime = session, robot, lifetime
         self._rejects = ThrottledLog()
         self._agent: Agent | None = None
@@ -156,7 +156,6 @@ class AgentNode:
             setup = self._session.setup()
             if setup is None:
                 return False
-            faults = {link: Fault.model_validate(fault) for link, fault in setup.faults.items()}
             if self._setup is None or self._setup[0] != setup.episode:
                 self._begin(Scenario.model_validate_json(setup.scenario), setup.episode)
                 self._lockstep = setup.mode == "lockstep"
@@ -164,7 +163,7 @@ class AgentNode:
             self._rejects.add("setup", error)
             return False
         if self._agent is not None:
-            self._agent.set_faults(faults)
+            self._agent.set_faults(setup.faults)
         self._setup = (setup.episode, setup.revision)
         return True
 

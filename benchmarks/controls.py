@@ -14,9 +14,9 @@ from time import monotonic
 
 from playwright.sync_api import sync_playwright
 
+from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import Driven
-from tests.browser.live_page import Flight
 
 GOAL_MS = 200.0
 MEASURE = """async ([press, shown]) => {
@@ -65,10 +65,10 @@ def main() -> None:
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     options = parser.parse_args()
     found: dict[str, list[float]] = {}
-    with Flight("triangle-circle", robots=3) as flight, sync_playwright() as playwright:
+    with BrowserRun("triangle-circle", robots=3) as run, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
         width, height = options.size
-        driven = Driven(browser, flight.url, width=width, height=height)
+        driven = Driven(browser, run.url, width=width, height=height)
         driven.wait_text(r"t = [3-9]")
         frames, began = driven.frames, monotonic()
         for _ in range(options.times):

@@ -14,16 +14,18 @@ from agents.agent import Agent, Answer
 from agents.process import STATUS_INTERVAL
 from formation.pattern import downstream
 from formation.scenario.files import load
+from formation.scenario.overrides import from_json
 from network import topics
+from network.bus import Presence, Sample
 from network.codec import encode
 from network.lifetime import Lifetime
 from network.messages import Message, Tick
-from network.zenoh_bus import Presence, Sample, Session
+from network.zenoh_bus import ZenohBus
 from world.process import WorldNode
 from world.world import World
 
 
-class Ensemble(Session):
+class Ensemble(ZenohBus):
     """The world's place on the network, with every mind behind it."""
 
     def __init__(self, endpoint: str, run: str) -> None:
@@ -79,10 +81,10 @@ def main() -> int:
     parser.add_argument("--run", required=True)
     parser.add_argument("--connect", required=True)
     parser.add_argument("--scenario", required=True)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument("--overrides", default="{}", metavar="JSON")
     parser.add_argument("--endless", action="store_true")
     options = parser.parse_args()
-    scenario = load(options.scenario, options.settings)
+    scenario = load(options.scenario, from_json(options.overrides))
     with Ensemble(options.connect, options.run) as session:
         world = World(scenario, endless=options.endless)
         driver = WorldNode(session, world, Lifetime(session.wake), speed=1.0, start=True)

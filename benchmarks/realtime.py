@@ -18,9 +18,10 @@ from typing import Any
 import psutil
 
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.messages import State, Status
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
 
@@ -59,7 +60,7 @@ def _start_up() -> float:
             time.sleep(0.01)
             if up.poll() is not None:
                 raise SystemExit("echelon up ended early")
-        with Session(f"unixsock-stream/{socket}", RUN) as session:
+        with ZenohBus(f"unixsock-stream/{socket}", RUN) as session:
             session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=30.0)
@@ -106,7 +107,7 @@ def _missed(robots: int) -> list[int]:
     """Ticks that each agent missed, as it says itself."""
     run = find(RUN)
     counts: dict[int, int] = {}
-    with Session(run.endpoint, RUN) as session:
+    with ZenohBus(run.endpoint, RUN) as session:
         session.subscribe(topics.status(RUN, "*"))
         while len(counts) < robots:
             item = session.inbox.get(timeout=5.0)

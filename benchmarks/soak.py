@@ -27,9 +27,9 @@ from benchmarks.controls import size
 from network.control import Compare
 from runtime.precompile import ensure_compiled
 from runtime.supervisor import ENVIRONMENT
+from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import READY, frames
-from tests.browser.live_page import Flight
 
 SCENARIO = "ring-16"
 WARM_UP_SECONDS = 60.0
@@ -53,7 +53,7 @@ def main() -> None:
     os.environ.update(ENVIRONMENT)
     settings = [f"formation.robots={options.robots}"]
     with (
-        Flight(SCENARIO, agents=0, world="benchmarks.ensemble", settings=settings) as run,
+        BrowserRun(SCENARIO, agents=0, world="benchmarks.ensemble", settings=settings) as run,
         sync_playwright() as playwright,
     ):
         if options.compare:
@@ -90,7 +90,7 @@ def _print(figures: dict[str, Any]) -> None:
     )
 
 
-def _measure(page: Page, run: Flight, minutes: float) -> dict[str, Any]:
+def _measure(page: Page, run: BrowserRun, minutes: float) -> dict[str, Any]:
     page.goto(f"{run.url}/?fixedDpr=1")
     page.wait_for_function(READY, timeout=120_000, polling=200)
     page.wait_for_timeout(1e3 * min(WARM_UP_SECONDS, 20.0 * minutes))

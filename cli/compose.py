@@ -17,5 +17,5 @@ def run(options: argparse.Namespace) -> None:
     """Print it."""
     if options.scenario not in shipped():
         raise ScenarioError(unknown("scenario in the image", options.scenario, shipped()))
-    scenario, settings = load(options)
-    print(compose_file(options.scenario, scenario, settings), end="")
+    scenario, overrides = load(options)
+    print(compose_file(options.scenario, scenario, overrides), end="")

@@ -2,38 +2,31 @@
 
 import argparse
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from cli.options import add_run, session
 from cli.talk import ask, newest_state
 from formation.errors import FaultError
-from formation.faults import PERFECT, PRESETS, with_changes
+from formation.faults import PERFECT, PRESETS, SHOWN, Fault, with_changes
+from formation.links import LinkId
 from network.control import operation
 from network.messages import Request
 
 _OPERATIONS = {"set": "fault", "preset": "preset", "clear": "clear"}
-_KEYS = {
-    "latency": ("TIME", "delay of every message, such as 300ms"),
-    "jitter": ("TIME", "spread of the delay"),
-    "distribution": ("NAME", "of the jitter: uniform, normal or pareto"),
-    "loss": ("SHARE", "of messages lost, such as 30%%"),
-    "burst": ("N", "mean number of messages lost in a row"),
-    "duplicate": ("SHARE", "of messages that arrive twice"),
-    "reorder": ("SHARE", "of messages that overtake"),
-    "rate": ("N", "messages a second that pass; 0: no limit"),
-    "corrupt": ("SHARE", "of messages with flipped bytes"),
-}
+_FLAGS = ("cut", "keep_order")
+_KEYS = tuple(key for key in Fault.model_fields if key not in _FLAGS)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
     actions = parser.add_subparsers(dest="action", metavar="set|preset|clear|show", required=True)
     change = actions.add_parser("set", help="change what a link does; keys not named stay as they are")
-    for key, (value, text) in _KEYS.items():
-        change.add_argument(f"--{key}", metavar=value, help=text)
-    change.add_argument("--cut", action="store_true", default=None, help="no message passes")
+    for key in _KEYS:
+        change.add_argument(f"--{key}", metavar=SHOWN[key].argument, help=_help(key))
+    change.add_argument("--cut", action="store_true", default=None, help=_help("cut"))
     change.add_argument("--mend", action="store_false", dest="cut", help="messages pass again")
-    change.add_argument("--keep-order", action="store_true", default=None, help="messages do not overtake")
+    change.add_argument("--keep-order", action="store_true", default=None, help=_help("keep_order"))
     preset = actions.add_parser("preset", help="give a link a named fault")
     preset.add_argument("name", help=", ".join(PRESETS))
     clear = actions.add_parser("clear", help="remove what was set, and end the scheduled faults that are active now")
@@ -51,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
     """Send the operation, or show the faults in force."""
     changes: dict[str, Any] = {}
     if options.action == "set":
-        given = {key: getattr(options, key) for key in (*_KEYS, "cut", "keep_order")}
+        given = {key: getattr(options, key) for key in (*_KEYS, *_FLAGS)}
         wished = {key: value for key, value in given.items() if value is not None}
         if not wished:
             raise FaultError(f"expected at least one of {', '.join('--' + key for key in (*_KEYS, 'cut', 'mend'))}")
@@ -73,10 +66,15 @@ def run(options: argparse.Namespace) -> None:
             _show(newest_state(live).faults, as_json=options.json)
 
 
-def _show(faults: dict[str, dict[str, Any]], *, as_json: bool) -> None:
+def _help(key: str) -> str:
+    """The key's own description, as argparse wants it."""
+    return (Fault.model_fields[key].description or "").replace("%", "%%")
+
+
+def _show(faults: Mapping[LinkId, Fault], *, as_json: bool) -> None:
     if as_json:
-        print(json.dumps(faults))
+        print(json.dumps({str(link): fault.plain() for link, fault in faults.items()}))
     elif not faults:
         print("every link is healthy")
-    for link, keys in () if as_json else sorted(faults.items()):
-        print(f"{link}: {with_changes(PERFECT, keys).words()}")
+    for link, fault in () if as_json else sorted(faults.items()):
+        print(f"{link}: {fault.words()}")

@@ -2,18 +2,16 @@
 
 import argparse
 import sys
-import tomllib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from experiments.trials.overrides import at_path, merged
 from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import files
+from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import NAMES
 from formation.scenario.scenario import Scenario
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
 
 DEFAULT_SCENARIO = "triangle-circle"
@@ -46,71 +44,45 @@ def check_workers(options: argparse.Namespace) -> None:
         raise EchelonError("--workers: expected no number with --cluster; the cluster has its own")
 
 
-def nested(changes: Iterable[str]) -> dict[str, Any]:
-    """Overrides as nested data from KEY=VALUE; a value that is not TOML is text.
+def overrides(options: argparse.Namespace) -> dict[str, Any]:
+    """What differs from the scenario's file.
 
     Raises:
-        ScenarioError: one is not KEY=VALUE.
+        ScenarioError: the preset or file of --faults does not exist, or a --set is not key=value.
     """
-    found: dict[str, Any] = {}
-    for change in changes:
-        key, equals, text = change.partition("=")
-        if not equals or not key.strip():
-            raise ScenarioError(f"--set: expected key=value; got {change!r}")
-        try:
-            value = tomllib.loads(f"value = {text}")["value"]
-        except (tomllib.TOMLDecodeError, RecursionError):
-            value = text.strip()
-        found = merged(found, at_path(key, value))
-    return found
-
-
-def settings(options: argparse.Namespace) -> list[str]:
-    """The scenario's changes as key=value.
-
-    Raises:
-        ScenarioError: the preset or file of --faults does not exist.
-    """
-    found = list(options.settings)
+    found = from_settings(options.settings)
     if options.controller is not None:
-        found.append(f"controller.name={options.controller}")
+        found = merged(found, at_path("controller.name", options.controller))
     if options.seed is not None:
-        found.append(f"seed={options.seed}")
+        found = merged(found, at_path("seed", from_text(options.seed)))
     if options.faults is not None:
-        found.append(f"faults={_faults(options.faults)}")
+        found = merged(found, at_path("faults", _faults(options.faults)))
     return found
 
 
-def _faults(name: str) -> str:
-    """A TOML value for the scenario's `faults`."""
+def _faults(name: str) -> list[dict[str, Any]]:
+    """A value for the scenario's `faults`."""
     if name in PRESETS:
-        return f'[{{ preset = "{name}" }}]'
+        return [{"preset": name}]
     if not name.endswith(".toml"):
         choices = ", ".join([*PRESETS, "FILE.toml"])
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
     entries = files.read(name).get("faults")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
-    tables = [", ".join(f"{key} = {_value(value)}" for key, value in entry.items()) for entry in entries]
-    return "[" + ", ".join(f"{{ {table} }}" for table in tables) + "]"
+    return entries
 
 
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(value) if isinstance(value, int | float) else '"' + str(value).replace('"', "") + '"'
-
-
-def load(options: argparse.Namespace) -> tuple[Scenario, list[str]]:
-    """The scenario, and the key=value settings that make it from its file. Raises ScenarioError."""
-    changes = settings(options)
+def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
+    """The scenario, and the overrides that make it from its file. Raises ScenarioError."""
+    changes = overrides(options)
     return files.load(options.scenario, changes), changes
 
 
 def source(options: argparse.Namespace) -> str:
     """The scenario's name, or the absolute path of its file."""
     name: str = options.scenario
-    return str(Path(name).resolve()) if name.endswith(".toml") or "/" in name else name
+    return str(Path(name).absolute()) if files.is_file(name) else name
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
@@ -119,12 +91,12 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
 
 
-def session(options: argparse.Namespace) -> Session:
+def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
     if options.connect is not None:
-        return Session(options.connect, options.run or "echelon")
+        return ZenohBus(options.connect, options.run or "echelon")
     run = find(options.run)
-    return Session(run.endpoint, run.name)
+    return ZenohBus(run.endpoint, run.name)
 
 
 def tell(line: str) -> None:

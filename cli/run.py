@@ -13,6 +13,7 @@ from rich.table import Table
 
 from cli.options import add_scenario, load, source, tell
 from formation.errors import EchelonError
+from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
 from runtime.precompile import ensure_compiled
@@ -32,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     """Simulate and print the measures."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
-    scenario, settings = load(options)
+    scenario, overrides = load(options)
     if not 0.0 <= options.warmup < scenario.duration:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
@@ -41,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options.warmup, report)
         else:
-            summary = _processes(scenario, options, settings, report)
+            summary = _processes(scenario, options, overrides, report)
     if options.json:
         print(json.dumps(summary))
     else:
@@ -57,11 +58,11 @@ def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None
 
 
 def _processes(
-    scenario: Scenario, options: argparse.Namespace, settings: list[str], report: Callable[[float], None]
+    scenario: Scenario, options: argparse.Namespace, overrides: Overrides, report: Callable[[float], None]
 ) -> dict[str, Any]:
     speed = 1.0 if options.realtime else 0.0
     name = f"run-{os.getpid()}"
-    with LiveRun(name, scenario, source(options), settings, tell=tell, speed=speed, realtime=options.realtime) as live:
+    with LiveRun(name, scenario, source(options), overrides, tell=tell, speed=speed, realtime=options.realtime) as live:
         while live.watch():
             state = live.state
             if state is None:

@@ -10,7 +10,6 @@ from rich.table import Table
 
 from cli.options import add_run, session
 from cli.talk import newest_state
-from formation.faults import PERFECT, with_changes
 from network.messages import State
 from runtime.run_registry import live as live_runs
 
@@ -36,10 +35,12 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _plain(state: State) -> dict[str, object]:
-    return {
-        key: value.tolist() if isinstance(value, np.ndarray) else value
-        for key, value in dataclasses.asdict(state).items()
+    fields = {field.name: getattr(state, field.name) for field in dataclasses.fields(state)}
+    fields |= {
+        "faults": {str(link): fault.plain() for link, fault in state.faults.items()},
+        "events": [dataclasses.asdict(event) for event in state.events],
     }
+    return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in fields.items()}
 
 
 def _print(name: str, page: str, state: State) -> None:
@@ -61,6 +62,6 @@ def _print(name: str, page: str, state: State) -> None:
     console.print(table)
     console.print(f"centre to path {state.tracking_error * MILLI:.3f} mm")
     for link, fault in sorted(state.faults.items()):
-        console.print(f"link {link}: {with_changes(PERFECT, fault).words()}", markup=False)
+        console.print(f"link {link}: {fault.words()}", markup=False)
     for event in state.events[-5:]:
         console.print(f"t = {event.stamp:.2f} s: {event.text}", markup=False)

@@ -10,11 +10,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from cli.options import add_workers, check_workers, nested, tell
+from cli.options import add_workers, check_workers, tell
 from cli.progress import TrialProgress
 from experiments.study.study import Study, load, shipped
 from experiments.study.table import Row
 from formation.errors import StudyError
+from formation.scenario.overrides import from_settings
 
 DEFAULT_OUT = "results"
 SHOWN_ROWS = 60
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     if options.seeds is not None and options.seeds < 1:
         raise StudyError(f"--seeds: expected at least 1; got {options.seeds}")
     check_workers(options)
-    study = load(options.study, seeds=options.seeds, overrides=nested(options.settings))
+    study = load(options.study, seeds=options.seeds, overrides=from_settings(options.settings))
     folder: Path = options.out or Path(DEFAULT_OUT) / f"study-{study.name}"
     from experiments.study.results import run_and_write  # noqa: PLC0415  with the engine; the list does without
     from experiments.trials.batch import Place  # noqa: PLC0415

@@ -4,15 +4,15 @@ import contextlib
 
 from formation.errors import EchelonError, WireError
 from network import topics
+from network.bus import Bus, Sample
 from network.codec import decode
 from network.control import Operation
 from network.messages import Reply, State
-from network.zenoh_bus import Sample, Session
 
 ANSWER_SECONDS = 3.0
 
 
-def ask(session: Session, operation: Operation) -> Reply:
+def ask(session: Bus, operation: Operation) -> Reply:
     """Send an operation to the world.
 
     Raises:
@@ -26,7 +26,7 @@ def ask(session: Session, operation: Operation) -> Reply:
     return reply
 
 
-def newest_state(session: Session) -> State:
+def newest_state(session: Bus) -> State:
     """The newest State of the world.
 
     Raises:

@@ -34,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run until Ctrl-C or a stop request."""
-    scenario, settings = load(options)
+    scenario, overrides = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
     dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
         name,
         scenario,
         source(options),
-        settings,
+        overrides,
         tell=tell,
         dashboard=dashboard,
         token=token,

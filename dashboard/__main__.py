@@ -8,17 +8,17 @@ from dashboard.page import Page
 from dashboard.serving import access, server
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Serve the page until told to end."""
+    """Serve the page until the process is told to stop."""
     parser = argparse.ArgumentParser(prog="python -m dashboard", description=__doc__)
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
     parser.add_argument("--port", type=_port, default=8090, help="8090 by default; 0: any free one")
-    parser.add_argument("--host", default="127.0.0.1", help="another one than loopback demands a token")
-    parser.add_argument("--token", help=f"that browsers must bring; ${access.TOKEN} hides it from ps")
+    parser.add_argument("--host", default="127.0.0.1", help="any other than loopback requires a token")
+    parser.add_argument("--token", help=f"that browsers must send; ${access.TOKEN} hides it from ps")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s dashboard: %(message)s", stream=sys.stderr)
     try:
@@ -26,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
         served = server.serve(guard, options.port, "Run control")
         lifetime = Lifetime()
         try:
-            with Session(options.connect, options.run) as session:
+            with ZenohBus(options.connect, options.run) as session:
                 page = Page(served, session)
                 port = served.get_port()
                 where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"

@@ -9,9 +9,9 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from network.control import SetFault
+from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import Driven
-from tests.browser.live_page import Flight
 
 HERE = Path(__file__).parent
 SIZE = {"width": 1680, "height": 980}
@@ -23,22 +23,22 @@ def dismiss_notices(driven: Driven) -> None:
 
 
 def main() -> None:
-    """Fly, look, break, look again."""
+    """Run a triangle, take a picture, set faults, take another."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     options = parser.parse_args()
-    with Flight("triangle-circle", robots=3) as flight, sync_playwright() as playwright:
+    with BrowserRun("triangle-circle", robots=3) as run, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
-        driven = Driven(browser, flight.url)
+        driven = Driven(browser, run.url)
         driven.page.set_viewport_size(SIZE)
-        driven.open(flight.url)
+        driven.open(run.url)
         dismiss_notices(driven)
         driven.wait_text(r"t = [12]\d\.", 60.0)
         driven.press("Follow")
         driven.page.wait_for_timeout(4000)
         driven.page.screenshot(path=HERE / "healthy.png")
-        flight.ask(SetFault(link="1->2", changes={"latency": 0.4, "loss": 0.3}))
-        flight.ask(SetFault(link="2->3", changes={"cut": True}))
+        run.ask(SetFault(link="1->2", changes={"latency": 0.4, "loss": 0.3}))
+        run.ask(SetFault(link="2->3", changes={"cut": True}))
         driven.page.wait_for_timeout(9000)
         dismiss_notices(driven)
         driven.page.wait_for_timeout(1000)

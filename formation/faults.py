@@ -1,44 +1,79 @@
-"""The fault model of a link: its parameters, presets, link names.
+"""The fault model of a link: its parameters, presets, and how they are shown.
 
 network/link.py applies a fault to messages; world/faults.py decides which fault is active at which tick.
 """
 
-import re
-from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
 from pydantic import ValidationError, model_validator
 
 from formation.errors import FaultError, unknown
-from formation.pattern import downstream
 from formation.schema import Duration, Model, NonNegative, Probability
 from formation.validation import problems
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """How a key of a fault is written and set: its label, unit and range are here and nowhere else."""
+
+    phrase: str
+    """In a sentence, with {} for the value in `unit`."""
+    label: str = ""
+    """Of its slider."""
+    unit: str = ""
+    factor: float = 1.0
+    """From the fault's own unit to `unit`."""
+    top: float = 0.0
+    """Largest value of a slider, which begins at 0 [unit]; 0 if there is none."""
+    step: float = 1.0
+    """Of a slider [unit]."""
+    often: bool = False
+    """Whether it is among the keys that are offered first."""
+    argument: str = "N"
+    """What a command's help calls the value."""
+
+    def words(self, value: object) -> str:
+        """The key and its value."""
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        return self.phrase.format(f"{self.shown(value):.4g}" if number else value)  # type: ignore[arg-type]
+
+    def shown(self, value: float) -> float:
+        """The value in `unit`."""
+        return value * self.factor
 
 
 class Fault(Model):
     """Everything that a directed link does to messages; the default is a perfect link."""
 
-    latency: Duration = 0.0
-    """Delay of every message [s]."""
-    jitter: Duration = 0.0
+    latency: Annotated[
+        Duration, Shown("latency {} ms", "Latency", "ms", 1e3, 1000.0, 10.0, often=True, argument="TIME")
+    ] = 0.0
+    """Delay of every message, such as 300ms [s]."""
+    jitter: Annotated[Duration, Shown("jitter {} ms", "Jitter", "ms", 1e3, 300.0, 5.0, often=True, argument="TIME")] = (
+        0.0
+    )
     """Spread of the delay [s]: half width (uniform), standard deviation (normal), mean of the tail (pareto)."""
-    distribution: Literal["uniform", "normal", "pareto"] = "uniform"
-    """Shape of the jitter; no delay is ever below zero."""
-    loss: Probability = 0.0
-    """Mean share of messages lost."""
-    burst: NonNegative = 0.0
+    distribution: Annotated[Literal["uniform", "normal", "pareto"], Shown("({})", argument="NAME")] = "uniform"
+    """Shape of the jitter: uniform, normal or pareto; no delay is ever below zero."""
+    loss: Annotated[Probability, Shown("loss {} %", "Loss", "%", 1e2, 100.0, 1.0, often=True, argument="SHARE")] = 0.0
+    """Mean share of messages lost, such as 30%."""
+    burst: Annotated[NonNegative, Shown("bursts of {}", "Burst length", "", 1.0, 50.0, 1.0, often=True)] = 0.0
     """Mean number of messages lost in a row (Gilbert-Elliott); up to 1 / (1 - loss) losses are independent."""
-    duplicate: Probability = 0.0
+    duplicate: Annotated[Probability, Shown("duplicates {} %", "Duplicate", "%", 1e2, 100.0, 1.0, argument="SHARE")] = (
+        0.0
+    )
     """Share of messages that arrive twice, each copy with its own jitter."""
-    reorder: Probability = 0.0
+    reorder: Annotated[Probability, Shown("reorders {} %", "Reorder", "%", 1e2, 100.0, 1.0, argument="SHARE")] = 0.0
     """Share of messages that overtake: they skip the delay, as in netem."""
-    keep_order: bool = False
+    keep_order: Annotated[bool, Shown("in order")] = False
     """Hold a message back until those sent before it have arrived."""
-    rate: NonNegative = 0.0
+    rate: Annotated[NonNegative, Shown("at most {}/s", "At most", "/s", 1.0, 200.0, 5.0)] = 0.0
     """Messages a second that pass, the others queue (at most QUEUE_LIMIT) or are lost; 0 means no limit."""
-    corrupt: Probability = 0.0
+    corrupt: Annotated[Probability, Shown("corrupts {} %", "Corrupt", "%", 1e2, 100.0, 1.0, argument="SHARE")] = 0.0
     """Share of messages with flipped bytes."""
-    cut: bool = False
+    cut: Annotated[bool, Shown("cut")] = False
     """No message passes."""
 
     def plain(self) -> dict[str, Any]:
@@ -48,22 +83,14 @@ class Fault(Model):
     def words(self) -> str:
         """A short description for the user."""
         if self.cut:
-            return "cut"
-        return ", ".join(_WORDS[key](value) for key, value in self.plain().items()) or "healthy"
+            return SHOWN["cut"].phrase
+        return ", ".join(SHOWN[key].words(value) for key, value in self.plain().items()) or "healthy"
 
 
-_WORDS: Mapping[str, Callable[[Any], str]] = {
-    "latency": lambda v: f"latency {v * 1e3:g} ms",
-    "jitter": lambda v: f"jitter {v * 1e3:g} ms",
-    "distribution": lambda v: f"({v})",
-    "loss": lambda v: f"loss {v * 100:g} %",
-    "burst": lambda v: f"bursts of {v:g}",
-    "duplicate": lambda v: f"duplicates {v * 100:g} %",
-    "reorder": lambda v: f"reorders {v * 100:g} %",
-    "keep_order": lambda _: "in order",
-    "rate": lambda v: f"at most {v:g}/s",
-    "corrupt": lambda v: f"corrupts {v * 100:g} %",
+SHOWN: Mapping[str, Shown] = {
+    key: next(item for item in field.metadata if isinstance(item, Shown)) for key, field in Fault.model_fields.items()
 }
+"""How each key of a fault is written and set."""
 
 PERFECT = Fault()
 """A link without faults."""
@@ -124,28 +151,3 @@ def with_changes(fault: Fault, changes: Mapping[str, Any]) -> Fault:
         return Fault.model_validate(fault.model_dump() | dict(changes))
     except ValidationError as error:
         raise FaultError("; ".join(problems(error, Fault))) from None
-
-
-def plan_links(robots: int) -> list[str]:
-    """The ring's directed links, in the order of their receivers' upstream neighbours: "1->2", "2->3", ..."""
-    return [f"{i}->{downstream(i, robots)}" for i in range(1, robots + 1)]
-
-
-def every_link(robots: int) -> list[str]:
-    """All links that can be given a fault: the ring, and each robot's poses and commands."""
-    own = [name for i in range(1, robots + 1) for name in (f"world->{i}", f"{i}->world")]
-    return plan_links(robots) + own
-
-
-def links_named(name: str, robots: int) -> list[str]:
-    """The links that `name` stands for: itself, or the ring's for "all". Spaces and the sign → are accepted.
-
-    Raises:
-        FaultError: there is no such link; the text lists them.
-    """
-    name = re.sub(r"\s*(->|→)\s*", "->", name.strip())
-    if name == "all":
-        return plan_links(robots)
-    if name not in every_link(robots):
-        raise FaultError(unknown("link", name, ["all", *every_link(robots)]))
-    return [name]

@@ -7,16 +7,19 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray, frozen
-from formation.pattern import pattern
-from formation.schema import Duration, Model, Positive
+from formation.metrics import nearest
+from formation.paths.files import PointFile
+from formation.schema import Duration, Positive
 from formation.shapes import FIXED_SIZES, SHAPES
 
 MAX_ROBOTS = 64
 MAX_CHANGES = 100
+SAME_PLACE = 1e-3
+"""Robots that are nearer to each other than this share of the formation's extent stand in the same place."""
 
 
-class Shape(Model):
-    """Where the robots stand in the body frame: by the name of a shape, or by offsets."""
+class Shape(PointFile):
+    """Where the robots stand in the body frame: by the name of a shape, by offsets, or by a file of them."""
 
     shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
     spacing: Positive = 0.1
@@ -40,7 +43,7 @@ class Shape(Model):
         """Offsets (n, 2) with mean zero [m] of so many robots.
 
         Raises:
-            ValueError: this shape has another number of them, or two neighbours in the ring coincide.
+            ValueError: this shape has another number of them, or two of them stand in the same place.
         """
         if self.offsets is not None:
             given = np.array(self.offsets)
@@ -50,8 +53,12 @@ class Shape(Model):
             array = SHAPES[self.shape](FIXED_SIZES.get(self.shape, robots), self.spacing)
         if len(array) != robots:
             raise ValueError(f"expected a shape for {robots} robots; got one for {len(array)}")
-        if np.any(pattern(array).distance < 1e-6):
-            raise ValueError("expected offsets that differ from their neighbour's in the ring")
+        one, other, apart = nearest(array)
+        if apart <= SAME_PLACE * float(np.ptp(array, axis=0).max()):
+            raise ValueError(
+                f"expected a place for each robot, but the offsets of robots {one} and {other} do not differ: "
+                f"they are {apart:.3g} m apart"
+            )
         return frozen(array)
 
 

@@ -77,6 +77,18 @@ def clearance(places: FloatArray) -> float:
     return least
 
 
+def nearest(places: FloatArray) -> tuple[int, int, float]:
+    """The two robots that are nearest to each other: their numbers, and how far apart they are [m].
+
+    Args:
+        places: (n, 2 or more) of all robots, at least two.
+    """
+    one, other = np.triu_indices(len(places), k=1)
+    apart = np.hypot(*(places[one, :2] - places[other, :2]).T)
+    at = int(apart.argmin())
+    return int(one[at]) + 1, int(other[at]) + 1, float(apart[at])
+
+
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:
     """Distance (...) of the robots' mean position to the reference point (..., 2) [m]."""
     gap: FloatArray = poses[..., :2].mean(axis=-2) - centre

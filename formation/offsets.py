@@ -13,7 +13,7 @@ import numpy as np
 
 from formation.arrays import FloatArray, frozen
 from formation.formation_spec import Formation
-from formation.paths.kinds import Path
+from formation.paths.path import Path
 
 PEAK = 1.875
 """Largest slope of the smooth step: 15/8."""

@@ -7,7 +7,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.formation_spec import Formation
 from formation.offsets import PEAK, smooth
-from formation.paths.kinds import Path, heading
+from formation.paths.path import Path, heading
 from formation.unicycle import wrap
 
 SHARE = 0.15

@@ -14,7 +14,7 @@ from formation.arrays import FloatArray, timeline
 from formation.metrics import wrapped
 from formation.offsets import Offsets
 from formation.orientation import Orientation
-from formation.paths.kinds import Path, heading
+from formation.paths.path import Path, heading
 from formation.pattern import rotate
 
 BLOCK_TICKS = 2000

@@ -6,11 +6,14 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat
 
 from formation.units import seconds, share
 
+MAX_SCENARIO = 4 << 20
+"""Bytes of a scenario, points included: as JSON it goes to every process."""
+
 
 class Model(BaseModel):
     """A frozen value that refuses keys it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, use_attribute_docstrings=True)
 
     def __eq__(self, other: object) -> bool:
         """Same type and same values; what was cached on the way does not count."""

@@ -1,6 +1,7 @@
 """Validation errors as one line each: the key's path, what was expected, what was got."""
 
 import types
+from collections import Counter
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -15,9 +16,33 @@ _BOUNDS = {
 }
 
 
+LONGEST = 60
+"""Characters of a wrong value that a line shows."""
+
+
 def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
-    """One line per mistake in the data of a `model`."""
-    return [_line(dict(item), model) for item in error.errors(include_url=False)]
+    """One line per mistake in what was to become a `model`; mistakes of one kind in the rows of a list share a line."""
+    first: dict[object, str] = {}
+    count: Counter[object] = Counter()
+    for item in error.errors(include_url=False):
+        kind = _kind(dict(item))
+        count[kind] += 1
+        if kind not in first:
+            first[kind] = _line(dict(item), model)
+    more = {kind: f" (and {n - 1} more like it)" if n > 1 else "" for kind, n in count.items()}
+    return [line + more[kind] for kind, line in first.items()]
+
+
+def _kind(item: dict[str, Any]) -> object:
+    """What mistakes have in common that differ by their row only."""
+    names = tuple(part for part in item["loc"] if not isinstance(part, int))
+    return names, item["type"], item["msg"] if item["type"] == "value_error" else ""
+
+
+def shown(value: object) -> str:
+    """A value as a line shows it."""
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
 
 
 def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
@@ -26,6 +51,12 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     kind, context, got = item["type"], item.get("ctx", {}), item["input"]
     if kind == "extra_forbidden":
         return unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+    if kind in ("too_long", "too_short"):
+        bounds = {"List": f"at {'most' if kind == 'too_long' else 'least'} ", "Tuple": ""}
+        size = context.get("max_length", context.get("min_length"))
+        return f"{key}: expected {bounds.get(context['field_type'], '')}{size} values; got {context['actual_length']}"
+    if kind == "missing" and isinstance(item["loc"][-1], int):
+        return f"{key.rpartition('[')[0]}: expected more values; got {len(got)}"
     if kind == "missing":
         return f"{key}: expected a value; got nothing"
     if kind == "union_tag_not_found":
@@ -35,14 +66,14 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
         return unknown(f"{key}.{context['discriminator'].strip(chr(39))}", context["tag"], choices)
     if kind == "literal_error":
         choices = [c.strip("' ") for c in context["expected"].replace(" or ", ",").split(",")]
-        return unknown(key, str(got), choices)
+        return unknown(key, str(got)[:LONGEST], choices)
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
-        return f"{key}: expected {words} {context[bound]:g}; got {got!r}"
+        return f"{key}: expected {words} {context[bound]:g}; got {shown(got)}"
     if kind == "value_error":
         return f"{key}: {context['error']}"
     text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-    return f"{key}: expected {text}; got {got!r}"
+    return f"{key}: expected {text}; got {shown(got)}"
 
 
 def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:

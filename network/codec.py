@@ -14,10 +14,13 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from formation.errors import WireError
+from formation.faults import Fault
+from formation.links import LinkId
+from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Event, LinkCounts, Message
 from network.topics import MESSAGES
 
-MAX_BYTES = 1 << 20
+MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")
 _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
@@ -34,7 +37,7 @@ def encode(message: Message) -> bytes:
     body: dict[str, Any] = {"type": _NAMES[kind], "version": VERSION}
     for name in _FIELDS[kind]:
         body[name] = getattr(message, name)
-    return seal(msgpack.packb(body, default=_plain))
+    return seal(msgpack.packb(body, default=_plain, strict_types=True))
 
 
 def seal(body: bytes) -> bytes:
@@ -59,6 +62,14 @@ def unseal(payload: bytes) -> bytes:
 def _plain(value: object) -> object:
     if isinstance(value, np.ndarray):
         return np.ascontiguousarray(value, dtype="<f8").tobytes()
+    if isinstance(value, LinkId):
+        return str(value)
+    if isinstance(value, Fault):
+        return value.plain()
+    if isinstance(value, tuple):
+        return list(value)
+    if isinstance(value, float):  # numpy's
+        return float(value)
     if type(value) in _FIELDS:
         return {name: getattr(value, name) for name in _FIELDS[type(value)]}
     raise TypeError(f"cannot be sent: {value!r}")

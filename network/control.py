@@ -9,6 +9,7 @@ from formation.faults import Fault
 from formation.scenario.registry import ControllerName
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
+from network.fields import Link
 from network.messages import Request
 
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
@@ -66,8 +67,8 @@ class UseScenario(Model):
 
     scenario: str
     """A shipped name."""
-    settings: tuple[str, ...] = ()
-    """key=value, as after --set."""
+    overrides: dict[str, Any] = Field(default_factory=dict)
+    """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
 class UseController(Model):
@@ -115,7 +116,7 @@ class FaultTables(Model):
     episode: int
     changes: int
     """Number of tables in this episode so far; request again for those that are not in this reply."""
-    tables: list[tuple[NonNegative, dict[str, Fault]]]
+    tables: list[tuple[NonNegative, dict[Link, Fault]]]
     """The first table of an episode is the one at t = 0."""
 
 

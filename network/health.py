@@ -4,7 +4,8 @@ import argparse
 import sys
 
 from formation.errors import EchelonError
-from network.zenoh_bus import Presence, Session
+from network.bus import Bus, Presence
+from network.zenoh_bus import ZenohBus
 
 SECONDS = 3.0
 
@@ -18,14 +19,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--id", type=int, default=0)
     options = parser.parse_args(arguments)
     try:
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             return 0 if options.role == "router" or _seen(session, options.role, options.id) else 1
     except EchelonError as error:
         print(error, file=sys.stderr)
         return 1
 
 
-def _seen(session: Session, role: str, number: int) -> bool:
+def _seen(session: Bus, role: str, number: int) -> bool:
     session.watch()
     wanted = Presence(role, number, here=True)
     return any(item == wanted for item in session.incoming(SECONDS))

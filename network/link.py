@@ -13,6 +13,7 @@ from statistics import NormalDist
 from typing import Generic, NamedTuple, TypeVar
 
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from network.messages import LinkCounts
 
 QUEUE_LIMIT = 10
@@ -56,9 +57,10 @@ class _Draws(NamedTuple):
 class Link(Generic[T]):
     """A link from `source` to `target`. `fault` may be set at any time; it applies to messages pushed afterwards."""
 
-    def __init__(self, seed: int, source: str, target: str, fault: Fault = PERFECT) -> None:
+    def __init__(self, seed: int, link: LinkId, fault: Fault = PERFECT) -> None:
+        self.id = link
         self.fault = fault
-        self._key = f"{seed}/{source}->{target}".encode()
+        self._key = f"{seed}/{link}".encode()
         self._heap: list[tuple[float, int, Arrival[T]]] = []
         self._order = 0
         self._free = -math.inf  # when a rate-limited link can take the next message

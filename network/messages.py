@@ -5,63 +5,34 @@ for messages of this one. Robots are numbered from 1. network/codec.py encodes a
 """
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-import numpy as np
-from pydantic import ConfigDict, Field, PlainValidator
-
-from formation.arrays import FloatArray
+from formation import links
+from formation.faults import Fault
+from network.fields import (
+    STRICT,
+    Count,
+    Flag,
+    Inputs,
+    Link,
+    LongText,
+    NonNegative,
+    Numbers,
+    Pose,
+    Poses,
+    Positive,
+    Real,
+    Sender,
+    Text,
+)
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = 0
+WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
 
 Mode = Literal["lockstep", "realtime"]
 """Whether the world waits for every agent at every tick, or steps by the wall clock."""
-
-_STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-def _array(columns: int, rows: int | None = None) -> PlainValidator:
-    """Accepts little-endian float64 bytes of so many columns (and rows); gives a read-only finite array."""
-
-    def validate(data: object) -> FloatArray:
-        if not isinstance(data, bytes) or not data or len(data) % (8 * columns):
-            raise ValueError(f"expected bytes of {columns} float64 columns")
-        array = _numbers(data)
-        if rows is not None and array.size != rows * columns:
-            raise ValueError(f"expected {rows * columns} numbers; got {array.size}")
-        return array if rows == 1 else array.reshape(-1, columns)
-
-    return PlainValidator(validate)
-
-
-def _numbers(data: object) -> FloatArray:
-    if not isinstance(data, bytes) or len(data) % 8:
-        raise ValueError("expected bytes of float64 numbers")
-    array = np.frombuffer(data, dtype="<f8")
-    if not np.isfinite(array).all():
-        raise ValueError("expected finite numbers")
-    return array
-
-
-Poses = Annotated[FloatArray, _array(3)]
-"""(n, 3) [m, m, rad]."""
-Pose = Annotated[FloatArray, _array(3, 1)]
-"""(3,) [m, m, rad]."""
-Inputs = Annotated[FloatArray, _array(2)]
-"""(N, 2) v, omega [m/s, rad/s]."""
-Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
-"""(n,)."""
-Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
-Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
-Real = Annotated[float, Field(strict=True)]
-Positive = Annotated[float, Field(strict=True, gt=0.0)]
-NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
-Text = Annotated[str, Field(strict=True, max_length=65536)]
-LongText = Annotated[str, Field(strict=True, max_length=1 << 20)]
-Flag = Annotated[bool, Field(strict=True)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +52,7 @@ class Tick:
     """Robots that sent a plan at tick k - 1. In lockstep the one downstream waits for it."""
     last: Flag = False
     """Whether this is the last tick of the episode."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +73,7 @@ class Plan:
     """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
     lag_rate: Real = 0.0
     """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +95,7 @@ class Command:
     """Whether a plan was sent at this tick."""
     solve: NonNegative
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +113,7 @@ class LinkCounts:
     duplicated: Count = 0
     """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
     in_flight: Count = 0
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,7 +124,7 @@ class Status:
     seq: Count
     stamp: NonNegative
     episode: Count
-    link: Text
+    link: Link
     """Name of the link from its upstream neighbour."""
     age: NonNegative
     """Age of the newest plan that arrived over it [s]."""
@@ -171,7 +142,7 @@ class Status:
     rejected: Count
     """Payloads that were not valid messages."""
     pid: Count
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +153,7 @@ class Event:
     stamp: NonNegative
     kind: Literal["run", "fault", "agent", "watchdog", "wire"]
     text: Text
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 RunStatus = Literal["waiting", "running", "paused", "finished"]
@@ -229,13 +200,13 @@ class State:
     """Robots with a live agent."""
     stopped: list[Sender]
     """Robots that the watchdog has stopped."""
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """Every link that is not perfect, with the keys of formation.faults.Fault that differ from its default."""
     events: list[Event]
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -254,7 +225,7 @@ class Ghost:
     """(n,) psi_e [rad]."""
     tracking_error: NonNegative
     """[m]."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,9 +240,9 @@ class Setup:
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
-    faults: dict[str, dict[str, Any]]
+    faults: dict[Link, Fault]
     """As in State."""
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +251,7 @@ class Request:
 
     operation: Text
     arguments: dict[str, Any] = field(default_factory=dict)
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,7 +262,7 @@ class Reply:
     reason: Text = ""
     """One line, if not ok."""
     value: dict[str, Any] = field(default_factory=dict)
-    __pydantic_config__ = _STRICT
+    __pydantic_config__ = STRICT
 
 
 Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply

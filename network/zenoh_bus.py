@@ -1,64 +1,32 @@
 """A process's connection to its run: one Zenoh session, and one inbox for everything that it receives.
 
-All that arrives (samples, queries, processes that come and go) lands in one queue in the order of arrival. Zenoh's
-own receive threads only append to it, so a slow reader never stalls the session, and a reader can wait with a time
-limit. This is the only module that imports zenoh.
+All that arrives (samples, queries, responses, processes that come and go) lands in one queue in the order of arrival.
+Zenoh's own receive threads only append to it, so a slow reader never stalls the session, and a reader can wait with a
+time limit. This is the only module that imports zenoh.
 """
 
 import json
 import os
 import threading
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from queue import Empty, SimpleQueue
-from time import monotonic
-from types import TracebackType
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterator
+from queue import SimpleQueue
+from typing import Any
 
 import zenoh
 
 from formation.errors import EchelonError
 from network import topics
-from network.codec import decode, encode
-from network.control import GetSetup, Operation, request
-from network.messages import Message, Reply, Request, Setup
+from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
+from network.codec import encode
+from network.messages import Message, Request
 
 LEASE_MS = 1000
 """Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
 CONNECT_MS = 10_000
 CLOSE_SECONDS = 2.0
 """Time limit for closing a session [s]; on a dead link it would take ten seconds."""
-
-
-class Sample(NamedTuple):
-    """A payload that was published."""
-
-    key: str
-    payload: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Query:
-    """A request that waits for an answer; `answer` may be called from any thread, once."""
-
-    payload: bytes
-    answer: Callable[[bytes], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Presence:
-    """A process has joined or left."""
-
-    role: str
-    number: int
-    here: bool
-
-
-class Wake:
-    """An item that wakes the reader of an inbox."""
-
-
-Incoming = Sample | Query | Presence | Wake
+REQUEST_SECONDS = 1.0
+"""A request that is not answered for this long never is [s]."""
 
 
 def config(*, endpoint: str, router: bool) -> zenoh.Config:
@@ -81,8 +49,8 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
     return zenoh.Config.from_json5(json.dumps(settings))
 
 
-class Session:
-    """A client of the run's router. Use as a context manager; received items are in `inbox`."""
+class ZenohBus(Bus):
+    """A client of the run's router."""
 
     def __init__(self, endpoint: str, run: str) -> None:
         """Connect; waits some seconds for the router.
@@ -100,21 +68,11 @@ class Session:
         except zenoh.ZError:
             raise EchelonError(f"expected a router at {endpoint}; nobody answers there") from None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     @property
     def connected(self) -> bool:
-        """Whether there is a link to the router now."""
         return bool(self._session.info.routers_zid())
 
     def subscribe(self, key: str) -> None:
-        """Subscribe: samples on this key expression go to the inbox."""
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
@@ -126,21 +84,13 @@ class Session:
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
-    def keep(self, key: str, depth: int) -> "Kept":
-        """Subscribe outside the inbox: keep the newest `depth` samples on this key expression."""
-        return Kept(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
+    def keep(self, key: str, depth: int) -> "KeptSamples":
+        return KeptSamples(self._session.declare_subscriber(key, zenoh.handlers.RingChannel(depth)))
 
     def unsubscribe(self, key: str) -> None:
-        """Unsubscribe from this key expression."""
         self._subscribers.pop(key).undeclare()  # type: ignore[no-untyped-call]
 
     def announce(self, key: str, *, reliable: bool = False) -> None:
-        """Declare a publisher on `key`, so that the first message finds its subscribers.
-
-        Args:
-            key: a key without wildcards.
-            reliable: wait for a slow subscriber rather than drop.
-        """
         self._publishers[key] = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.BLOCK if reliable else zenoh.CongestionControl.DROP,
@@ -149,12 +99,9 @@ class Session:
         )
 
     def publish(self, key: str, message: Message) -> None:
-        """Publish on a key that was announced."""
         self._publishers[key].put(encode(message))
 
     def serve(self, key: str) -> None:
-        """Declare a queryable: queries on this key go to the inbox."""
-
         def take(query: zenoh.Query) -> None:
             def answer(payload: bytes) -> None:
                 with query:
@@ -164,81 +111,63 @@ class Session:
 
         self._declared.append(self._session.declare_queryable(key, zenoh.handlers.Callback(take, indirect=False)))
 
-    def ask(self, what: Operation | Request, *, timeout: float = 2.0) -> Reply | None:
-        """Send a request to the world of this run. None if it does not answer within `timeout` [s].
+    def request(self, message: Request) -> None:
+        def take(reply: zenoh.Reply) -> None:
+            if reply.ok:
+                self.inbox.put(Response(message, bytes(reply.ok.payload.to_bytes())))
 
-        Raises:
-            WireError: the answer is not a Reply.
-        """
-        payload = self._query(what if isinstance(what, Request) else request(what), timeout)
-        return None if payload is None else decode(Reply, payload)
+        self._session.get(
+            topics.control(self.run),
+            zenoh.handlers.Callback(take, indirect=False),
+            payload=encode(message),
+            timeout=REQUEST_SECONDS,
+        )
 
-    def setup(self, *, timeout: float = 1.0) -> Setup | None:
-        """The Setup of this run's world. None if it does not answer within `timeout` [s].
-
-        Raises:
-            WireError: the answer is not a Setup.
-        """
-        payload = self._query(request(GetSetup()), timeout)
-        return None if payload is None else decode(Setup, payload)
-
-    def _query(self, message: Request, timeout: float) -> bytes | None:
+    def fetch(self, message: Request, timeout: float) -> bytes | None:
         for reply in self._session.get(topics.control(self.run), payload=encode(message), timeout=timeout):
             if reply.ok:
                 return bytes(reply.ok.payload.to_bytes())
         return None
 
     def appear(self, role: str, number: int = 0) -> None:
-        """Declare a liveliness token, which lasts until this session closes or its process dies."""
         self._declared.append(self._session.liveliness().declare_token(topics.alive(self.run, role, number)))
 
     def watch(self) -> None:
-        """Subscribe to liveliness: presence of this run's processes, now and later, goes to the inbox."""
-
         def take(sample: zenoh.Sample) -> None:
             *_, role, number = str(sample.key_expr).split("/")
             if number.isascii() and number.isdigit():
                 self.inbox.put(Presence(role, int(number), sample.kind == zenoh.SampleKind.PUT))
 
-        key = topics.alive(self.run, "*", "*")
+        def note(event: zenoh.TransportEvent) -> None:
+            self.inbox.put(Connection(event.kind == zenoh.SampleKind.PUT))
+
+        callback = zenoh.handlers.Callback(note, indirect=False)
+        self._declared.append(self._session.info.declare_transport_events_listener(callback, history=True))
         self._declared.append(
             self._session.liveliness().declare_subscriber(
-                key, zenoh.handlers.Callback(take, indirect=False), history=True
+                topics.alive(self.run, "*", "*"), zenoh.handlers.Callback(take, indirect=False), history=True
             )
         )
 
-    def incoming(self, seconds: float) -> Iterator[Incoming]:
-        """Items received within this time [s], as they come; the reader may stop earlier."""
-        until = monotonic() + seconds
-        while (left := until - monotonic()) > 0:
-            try:
-                yield self.inbox.get(timeout=left)
-            except Empty:
-                return
-
-    def wake(self) -> None:
-        """Wake the reader of the inbox; safe in a signal handler."""
-        self.inbox.put(Wake())
-
     def close(self) -> None:
-        """Close the session, within CLOSE_SECONDS."""
+        """Leave the network; never takes longer than CLOSE_SECONDS."""
         _close(self._session)
 
 
-class Kept:
-    """A ring of the newest samples, read on demand; overwritten samples never reach Python."""
+class KeptSamples:
+    """Samples that wait in Zenoh until somebody looks, and cost no Python before."""
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber
 
     def take(self) -> Iterator[Sample]:
-        """The samples since the last call, oldest first."""
+        """Everything that has come in since the last look, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
             yield Sample(str(sample.key_expr), sample.payload.to_bytes())
 
 
 class Router:
-    """The run's router: all traffic passes it, and no other process listens."""
+    """The run's router: everything goes through it, nothing else listens."""
 
     def __init__(self, endpoint: str) -> None:
         """Listen on unixsock-stream/PATH or tcp/HOST:PORT.
@@ -258,7 +187,7 @@ class Router:
 
 
 def _close(session: zenoh.Session) -> None:
-    """Close within the time limit; a process with an open session could never exit, so it is ended otherwise."""
+    """Close within the time limit; a process that left a session open could never exit, so then it is ended."""
     closer = threading.Thread(target=session.close, daemon=True)
     closer.start()
     closer.join(CLOSE_SECONDS)

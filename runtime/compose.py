@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 
+from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from runtime.process_list import Plan, Program, programs
@@ -34,35 +35,35 @@ services:
 """
 
 
-def plan(scenario: str, settings: Sequence[str]) -> Plan:
+def plan(scenario: str, overrides: Overrides) -> Plan:
     """How a run of containers is put together."""
     return Plan(
         run=RUN,
         scenario=scenario,
         connect=f"tcp/router:{ROUTER_PORT}",
         listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
-        settings=settings,
+        overrides=overrides,
         endless=True,
         ghost=True,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
     )
 
 
-def compose_file(name: str, scenario: Scenario, settings: Sequence[str] = ()) -> str:
+def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None) -> str:
     """The text of a compose file that runs the scenario.
 
     Args:
         name: of a shipped scenario: the image holds no others.
         scenario: the same, loaded.
-        settings: key=value.
+        overrides: what differs from it.
 
     Raises:
         ScenarioError: its controller cannot run as processes.
     """
     check_live(scenario.controller.name)
-    words = " ".join([name, *(f"--set {setting}" for setting in settings)])
+    words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(words=words, port=PAGE_PORT)
-    return head + "\n".join(_service(program) for program in programs(plan(name, settings), scenario))
+    return head + "\n".join(_service(program) for program in programs(plan(name, overrides or {}), scenario))
 
 
 def _service(program: Program) -> str:
@@ -73,9 +74,9 @@ def _service(program: Program) -> str:
         f"  {name}:",
         "    <<: *service",
         *(["    build: ."] if program.role == "router" else []),
-        f"    command: {json.dumps(['python', '-m', program.module, *program.arguments])}",
+        f"    command: {_words(['python', '-m', program.module, *program.arguments])}",
         "    healthcheck:",
-        f"      test: {json.dumps(check)}",
+        f"      test: {_words(check)}",
         "      interval: 30s",
         "      timeout: 8s",
         "      start_period: 20s",
@@ -92,3 +93,8 @@ def _service(program: Program) -> str:
             f'      - "127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"',
         ]
     return "\n".join(lines) + "\n"
+
+
+def _words(command: Sequence[str]) -> str:
+    """A command as YAML has it; compose would take a $ for a variable."""
+    return json.dumps(command).replace("$", "$$")

@@ -3,20 +3,22 @@
 import contextlib
 import signal
 from collections.abc import Callable
-from queue import Empty
 from types import TracebackType
 from typing import Any, Self
 
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
+from formation.scenario.files import is_file
+from formation.scenario.overrides import Overrides, paths
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.process_list import Plan, agent, programs
 from runtime.run_registry import Claim
@@ -40,7 +42,7 @@ class LiveRun:
         name: str,
         scenario: Scenario,
         source: str,
-        settings: list[str],
+        overrides: Overrides,
         *,
         tell: Callable[[str], None],
         **options: Any,
@@ -50,7 +52,7 @@ class LiveRun:
         Args:
             name: of the run.
             scenario: what to run, already checked.
-            source, settings: name or file, and key=value, from which the world makes the same scenario.
+            source, overrides: name or file, and what differs from it, from which the world makes the same scenario.
             tell: called with a line for the user.
             options: of runtime.process_list.Plan.
 
@@ -62,12 +64,17 @@ class LiveRun:
         page = options.get("dashboard")
         address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
         self._claim = Claim(name, page=address)
+        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
+            # A pipe can be read once only, and nobody else needs the files that a scenario names.
+            file = self._claim.path / "scenario.json"
+            file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
+            source, overrides = str(file), {}
         self._plan = Plan(
-            name, source, self._claim.endpoint, self._claim.endpoint, settings, folder=str(self._claim.path), **options
+            name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )
         self._supervisor = Supervisor(name, tell)
         self._handlers: dict[signal.Signals, Any] = {}
-        self._session: Session | None = None
+        self._session: ZenohBus | None = None
         self._state: State | None = None
 
     def __enter__(self) -> Self:
@@ -76,7 +83,7 @@ class LiveRun:
         try:
             ensure_compiled(self._tell)
             self._supervisor.start(programs(self._plan, self._scenario))
-            self._session = Session(self._plan.connect, self._plan.run)
+            self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
             self._session.appear("launcher")
         except BaseException:
@@ -122,11 +129,7 @@ class LiveRun:
 
     def _listen(self) -> None:
         assert self._session is not None
-        while True:
-            try:
-                item = self._session.inbox.get_nowait()
-            except Empty:
-                return
+        for item in self._session.arrivals():
             if isinstance(item, Sample):
                 with contextlib.suppress(WireError):  # not a valid message; its receivers count it
                     self._state = decode(State, item.payload)

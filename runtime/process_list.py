@@ -1,8 +1,8 @@
 """The processes of a run, all in one list: what `echelon up` starts and what compose.yaml holds."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.scenario import Scenario
 
 
@@ -34,7 +34,8 @@ class Plan:
     """The router's endpoint that its clients connect to."""
     listen: str
     """The router's endpoint that it listens on."""
-    settings: Sequence[str] = ()
+    overrides: Overrides = field(default_factory=dict)
+    """What differs from it."""
     realtime: bool = False
     speed: float = 1.0
     endless: bool = False
@@ -53,8 +54,8 @@ def programs(plan: Plan, scenario: Scenario) -> list[Program]:
     """Every process of the run, in the order in which they are best started."""
     common = ("--run", plan.run, "--connect", plan.connect)
     world = [*common, "--scenario", plan.scenario, "--speed", f"{plan.speed:g}"]
-    for setting in plan.settings:
-        world += ["--set", setting]
+    if plan.overrides:
+        world += ["--overrides", to_json(plan.overrides)]
     world += [flag for flag, on in _flags(plan) if on]
     router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder else ())]
     found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]

@@ -1,32 +1,40 @@
 """Messages for tests: whole ones, of which a test names only what it is about."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
-from network.messages import Event, LinkCounts, Plan, State, Status
+from formation.links import LinkId
+from network.messages import Command, Event, LinkCounts, Plan, State, Status
+
+TICK = 0.01
+"""Control interval of every shipped scenario [s]."""
 
 
-def plan(sender: int, seq: int, episode: int = 0) -> Plan:
-    return Plan(sender, seq, 0.01 * seq, episode, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
+def plan(sender: int, seq: int, episode: int = 0, **changes: Any) -> Plan:
+    """A plan of tick `seq`."""
+    whole = Plan(sender, seq, TICK * seq, episode, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
+    return replace(whole, **changes)
 
 
-def status(
-    sender: int,
-    upstream: int,
-    *,
-    plan: Plan | None = None,
-    held: Plan | None = None,
-    age: float = 0.0,
-    stamp: float = 1.0,
-) -> Status:
-    return Status(
+def command(sender: int, seq: int, v: float = 0.1, omega: float = 0.2, **changes: Any) -> Command:
+    """A command for tick `seq`."""
+    whole = Command(sender, seq, TICK * seq, 0, v, omega, age=0.01, planned=True, solve=1e-4)
+    return replace(whole, **changes)
+
+
+def status(sender: int, upstream: int, **changes: Any) -> Status:
+    """A status without plans, at 1 s."""
+    whole = Status(
         sender=sender,
         seq=100,
-        stamp=stamp,
+        stamp=1.0,
         episode=0,
-        link=f"{upstream}->{sender}",
-        age=age,
-        plan=plan,
-        held=held,
+        link=LinkId(upstream, sender),
+        age=0.0,
+        plan=None,
+        held=None,
         counts=LinkCounts(),
         solve=0.0,
         missed=0,
@@ -34,6 +42,7 @@ def status(
         rejected=0,
         pid=1,
     )
+    return replace(whole, **changes)
 
 
 def state(

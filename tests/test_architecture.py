@@ -1,4 +1,4 @@
-"""The arrows between the rooms point one way, and some words are spoken in one room only (DESIGN sections 1 and 8)."""
+"""Imports between rooms point one way, and some modules are imported in one room only (docs/design.md, section 1)."""
 
 import ast
 import tomllib
@@ -34,6 +34,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"arrays", "errors", "units", "unicycle"},
         {"pattern", "validation"},
         {"shapes", "schema", "metrics"},
+        {"links"},
         {"formation_spec", "faults", "disturbances", "paths"},
         {"offsets"},
         {"orientation"},
@@ -41,10 +42,12 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"messages", "lifetime", "throttled_log", "run_folder"},
+        {"fields", "lifetime", "throttled_log", "run_folder"},
+        {"messages"},
         {"topics"},
         {"codec", "control", "link"},
-        {"zenoh_bus", "reference"},
+        {"bus", "reference"},
+        {"zenoh_bus", "memory_bus"},
         {"health", "__main__"},
     ],
     "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],
@@ -76,9 +79,9 @@ CLOCKS = {
     "cli",
     "dashboard",
     "network/__main__.py",
+    "network/bus.py",
     "network/lifetime.py",
     "network/throttled_log.py",
-    "network/zenoh_bus.py",
     "runtime",
     "world/presence.py",
     "world/process.py",

@@ -7,10 +7,11 @@ import sys
 
 from formation.errors import EchelonError
 from formation.scenario.files import load
+from formation.scenario.overrides import from_json
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
 from network.messages import Mode
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from world.process import WorldNode
 from world.world import World
 
@@ -21,7 +22,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
     parser.add_argument("--scenario", required=True, help="name or TOML file")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument("--overrides", default="{}", metavar="JSON", help="what differs from the scenario's file")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, not in lockstep")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second; 0: as fast as possible")
     parser.add_argument("--endless", action="store_true", help="continue closed paths past the scenario's duration")
@@ -29,9 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
     try:
-        scenario = load(options.scenario, options.settings)
+        scenario = load(options.scenario, from_json(options.overrides))
         check_live(scenario.controller.name)
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             lifetime = Lifetime(session.wake)
             # A world that was started again must not be mistaken for the one before.
             episode = secrets.randbits(32)

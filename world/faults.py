@@ -7,7 +7,8 @@ from itertools import islice
 from typing import Any
 
 from formation.errors import FaultError
-from formation.faults import PERFECT, Fault, ScheduledFault, every_link, links_named, plan_links, with_changes
+from formation.faults import PERFECT, Fault, ScheduledFault, with_changes
+from formation.links import LinkId, every_link, links_named, plan_links
 from formation.scenario.scenario import Scenario
 
 KEPT_CHANGES = 5000
@@ -20,7 +21,7 @@ TOLD_CHANGES = 25
 class _Wish:
     """A fault that a user set on one link."""
 
-    link: str
+    link: LinkId
     changes: dict[str, Any]
     until: float | None
     """Simulated time at which it ends [s]; None for never."""
@@ -31,18 +32,18 @@ class FaultState:
     """The faults in force. Later layers win: [link], then the schedule, then what users set, in that order."""
 
     scenario: Scenario
-    table: Mapping[str, Fault] = field(default_factory=dict)
+    table: Mapping[LinkId, Fault] = field(default_factory=dict)
     """Every link that is not perfect."""
     _wishes: list[_Wish] = field(default_factory=list)
-    _cancelled: set[tuple[int, str]] = field(default_factory=set)
+    _cancelled: set[tuple[int, LinkId]] = field(default_factory=set)
     """Scheduled faults (by index) that users ended on a link."""
     _active: tuple[int, ...] | None = None
     """Scheduled faults that the table was computed from; None if it must be computed anew."""
-    _imposed: Mapping[str, Fault] | None = None
+    _imposed: Mapping[LinkId, Fault] | None = None
     """In a world that repeats another's faults: their table."""
     changes: int = 0
     """Number of tables in this episode so far."""
-    _history: deque[tuple[float, Mapping[str, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
+    _history: deque[tuple[float, Mapping[LinkId, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
 
     def update(self, now: float) -> list[str]:
         """Update the table to time `now` [s]. Returns a line per link that changed."""
@@ -61,7 +62,7 @@ class FaultState:
             if self.table.get(link) != before.get(link)
         ]
 
-    def _made_of(self, active: tuple[int, ...]) -> dict[str, Fault]:
+    def _made_of(self, active: tuple[int, ...]) -> dict[LinkId, Fault]:
         size = self.scenario.size
         table = dict.fromkeys(plan_links(size), self.scenario.link)
         for index in active:
@@ -112,11 +113,11 @@ class FaultState:
         self._cancelled |= {(index, name) for index in running for name in links}
         self._active = None
 
-    def impose(self, table: Mapping[str, Fault]) -> None:
+    def impose(self, table: Mapping[LinkId, Fault]) -> None:
         """Use exactly these faults of another world from now on, whatever is scheduled."""
         self._imposed, self._active = table, None
 
-    def since(self, known: int) -> list[tuple[float, Mapping[str, Fault]]]:
+    def since(self, known: int) -> list[tuple[float, Mapping[LinkId, Fault]]]:
         """The tables of this episode from number `known` on, at most TOLD_CHANGES, each with the time of its start [s].
 
         Raises:

@@ -3,7 +3,7 @@
 from time import monotonic
 
 from formation.errors import EchelonError
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from world.world import World
 
 SUSPECT_SECONDS = 0.05
@@ -15,7 +15,7 @@ RETURN_SECONDS = 3.0
 class AgentPresence:
     """Keeps the world's `live` agents in step with their presence on the network."""
 
-    def __init__(self, session: Session, world: World) -> None:
+    def __init__(self, session: ZenohBus, world: World) -> None:
         self._session, self._world = session, world
         self._present: set[int] = set()
         self._suspects: dict[int, float] = {}

@@ -10,12 +10,13 @@ from time import monotonic
 
 from formation.errors import EchelonError, WireError
 from network import control, topics
+from network.bus import Incoming, Presence, Query, Sample
 from network.codec import decode, encode
 from network.control import Operation
 from network.lifetime import Lifetime
 from network.messages import Command, Reply, Request, Status
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Incoming, Presence, Query, Sample, Session
+from network.zenoh_bus import ZenohBus
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.run_control import RunControl
@@ -37,9 +38,9 @@ MAX_AHEAD = 1.0
 
 
 class WorldNode:
-    """Drives a World over a Session until its lifetime is over."""
+    """Drives a World over a ZenohBus until its lifetime is over."""
 
-    def __init__(self, session: Session, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> None:
+    def __init__(self, session: ZenohBus, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> None:
         """Declare what the world says and hears.
 
         Args:

@@ -79,10 +79,10 @@ class RunControl:
                 world.change_fault(link, preset(name).model_dump(), seconds and world.now + seconds)
             case control.Clear(link=link):
                 world.clear_faults(link)
-            case control.UseScenario(scenario=name, settings=settings):
+            case control.UseScenario(scenario=name, overrides=overrides):
                 if name not in shipped():  # a client may name a shipped scenario, but not a file of this machine
                     raise ScenarioError(unknown("scenario", name, shipped()))
-                self._use(load(name, settings))
+                self._use(load(name, overrides))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
@@ -108,8 +108,7 @@ class RunControl:
     def _faults_since(self, known: int) -> dict[str, Any]:
         world = self._world
         tables = world.faults.since(known)
-        told = [(at, {link: fault.plain() for link, fault in table.items()}) for at, table in tables]
-        return {"episode": world.episode, "changes": world.faults.changes, "tables": told}
+        return {"episode": world.episode, "changes": world.faults.changes, "tables": tables}
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)

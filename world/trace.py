@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
+from formation.links import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
@@ -74,7 +75,7 @@ class Trace:
         return distance, angle, tracking_error(poses, self._scenario.path.position(t))
 
     def summary(
-        self, counts: Mapping[str, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
+        self, counts: Mapping[LinkId, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
     ) -> dict[str, Any]:
         """The summary of the episode so far (docs/design.md, section 8), without rounding.
 
@@ -105,7 +106,7 @@ class Trace:
             },
             "tracking_error_m": _spread(tracking),
             "links": {
-                link: {
+                str(link): {
                     "sent": c.sent,
                     "delivered": c.delivered,
                     "lost": c.lost,
@@ -113,7 +114,7 @@ class Trace:
                     "corrupt": c.corrupt,
                     "duplicated": c.duplicated,
                     "in_flight": c.in_flight,
-                    "age_s": _ages(ages[:, int(link.split("->")[1]) - 1]),
+                    "age_s": _ages(ages[:, link.receiver - 1]),
                 }
                 for link, c in counts.items()
             },

@@ -12,8 +12,8 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
+from formation.links import LinkId
 from formation.metrics import pattern_errors, tracking_error
-from formation.pattern import upstream
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
@@ -62,11 +62,11 @@ class World:
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)
         if self.trace:
             self.trace.start(self.plant.poses)
-        self.counts: dict[str, LinkCounts] = {}
+        self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
         self._reference: Reference = scenario.reference()
-        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, str(i), "world") for i in self.robots}
+        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, LinkId.commands_from(i)) for i in self.robots}
         self._newest: dict[int, Command] = {}
         self._fresh: dict[int, float] = dict.fromkeys(self.robots, 0.0)
         self._planned: list[int] = []
@@ -165,8 +165,8 @@ class World:
             self._set_link_faults()
 
     def _set_link_faults(self) -> None:
-        for robot, link in self._links.items():
-            link.fault = self.faults.table.get(f"{robot}->world", PERFECT)
+        for link in self._links.values():
+            link.fault = self.faults.table.get(link.id, PERFECT)
 
     # ------------------------------------------------------------------ operations of users
 
@@ -203,7 +203,7 @@ class World:
         self.faults.clear(link, self.now)
         self._apply_faults()
 
-    def impose_faults(self, table: Mapping[str, Fault]) -> None:
+    def impose_faults(self, table: Mapping[LinkId, Fault]) -> None:
         """Use exactly these faults from the next tick on: this world repeats another's."""
         self.faults.impose(table)
         self._apply_faults()
@@ -217,9 +217,7 @@ class World:
         """Take an agent's Status."""
         if status.episode == self.episode and status.sender in self.robots:
             self.statuses[status.sender] = status
-            if (
-                status.link == f"{upstream(status.sender, self.scenario.size)}->{status.sender}"
-            ):  # a peer may send anything
+            if status.link == LinkId.plans_to(status.sender, self.scenario.size):  # a peer may send anything
                 self.counts[status.link] = status.counts
 
     def setup(self) -> Setup:
@@ -232,11 +230,8 @@ class World:
             revision=self.revision,
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
-            faults=self._plain_faults(),
+            faults=dict(self.faults.table),
         )
-
-    def _plain_faults(self) -> dict[str, dict[str, Any]]:
-        return {link: fault.plain() for link, fault in self.faults.table.items()}
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The summary of the episode so far; empty for an endless one."""
@@ -289,7 +284,7 @@ class World:
             tracking_error=float(tracking_error(poses, centre[:2])),
             live=sorted(self.live),
             stopped=sorted(self._held),
-            faults=self._plain_faults(),
+            faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
         )

@@ -1,8 +1,9 @@
 """Controller `virtual_structure`: every robot follows its own slot of a moving rigid body, and uses no message.
 
 After Lewis and Tan (1997) and Ren and Beard (2004), without formation feedback. For a comparison with `nash` that is
-about messages only, it is the same receding horizon over the same exact unicycle, limits and reference, with the
-weights that `nash` puts on the centre; solved to convergence (agents/kernels/team_game.py for a team of one).
+about messages only, it is the same receding horizon over the same exact unicycle, limits and reference, solved to
+convergence as a team of one robot. Its weights are those that `nash` puts on the centre, which is more than `nash` puts
+on a robot's own slot error (docs/theory.md, section 7).
 """
 
 import math

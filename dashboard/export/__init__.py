@@ -1,1 +1,1 @@
-"""What can be taken along: replay, CSV, pictures."""
+"""Files that a user can export: replay, CSV, picture."""

@@ -1,1 +1,1 @@
-"""What stands beside the scene: numbers, tables, plots and controls."""
+"""The panels beside the scene: numbers, tables, plots and controls. A module's HTML is the template beside it."""

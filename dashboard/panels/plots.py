@@ -1,6 +1,6 @@
-"""The live plots, each described once.
+"""The live plots: a description of each, and the chart that draws it.
 
-Their arrays are sent whole, so they hold no more points than the panel has pixels.
+viser sends a plot's arrays whole each time, so they hold no more points than the panel has pixels.
 """
 
 from dataclasses import dataclass
@@ -10,51 +10,52 @@ import numpy as np
 import viser
 import viser.uplot as up
 
-from dashboard.panels.controls import assign
+from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.telemetry.ghost_track import FAR_BEHIND
 from dashboard.telemetry.links import LOST_SECONDS
-from dashboard.theme.formatting import plot_title
 from dashboard.theme.limits import DISTANCE_LIMIT, TRACKING_LIMIT
 from dashboard.theme.palette import DARK, LIGHT, Palette
+from dashboard.theme.templates import render
 from formation.arrays import FloatArray
 
 SKY, VIOLET, PINK, CYAN, BLUE, MEAN, GHOST = "r1", "r2", "r3", "r4", "r6", "muted", "ghost"
-"""Names of colours that each look has its own of."""
+"""Names of colours in the palettes."""
 LIMIT, EVENT, INVISIBLE = "rgba(240,72,92,.55)", "rgba(247,184,62,.5)", "transparent"
 NEAR_LIMIT = 0.4
-"""The limit line is drawn once the values come near it; before, it would only flatten them."""
+"""The limit is drawn once values reach this share of it; before, it would only flatten the curves."""
 HEIGHT = 84
+"""Of a plot [px]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One line of a plot."""
+    """One curve of a plot."""
 
     column: str
-    """Of the history."""
+    """Column of the history."""
     text: str
     colour: str
-    """A name of dashboard.palette, or one of CSS."""
+    """A name in the palettes, or a CSS colour."""
     dash: tuple[float, float] | None = None
 
     @property
     def ghost(self) -> bool:
-        """Whether it is the ghost's, and there only while people compare."""
+        """Whether it is the ghost's, and shown only while there is one."""
         return self.column.startswith("ghost")
 
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """What one plot shows."""
+    """Description of one plot."""
 
     name: str
     unit: str
-    lines: tuple[Curve, ...]
+    curves: tuple[Curve, ...]
     floor: float
-    """The axis reaches at least so far: noise at the micrometre is not news."""
+    """The axis reaches at least so far, so that noise of a micrometre does not fill it."""
     limit: float | None = None
     cap: float = float("inf")
-    """Larger values are shown as this one."""
+    """Larger values are drawn as this one."""
 
 
 def _ghost(column: str) -> Curve:
@@ -106,17 +107,17 @@ class Chart:
         """In the current tab."""
         self._plot = plot
         self._title: Any = gui.add_html("")
-        # Behind the plot's own lines: its limit, the least that its axis shows, and a spike where something happened.
+        # Behind the plot's own curves: its limit, the least top of its axis, and a spike at each event.
         extra = (Curve("", "limit", LIMIT, (5.0, 5.0)), Curve("", "floor", INVISIBLE), Curve("", "event", EVENT))
-        lines = (*plot.lines, *extra)
-        # One plot for each look, of which one is shown: a plot that changes its colours would lose its time axis.
-        self._handles = {palette: self._add(gui, lines, palette) for palette in (DARK, LIGHT)}
+        curves = (*plot.curves, *extra)
+        # One plot for each theme, of which one is shown: a plot that changes its colours would lose its time axis.
+        self._handles = {palette: self._add(gui, curves, palette) for palette in (DARK, LIGHT)}
         self._handle = self._handles[DARK]
 
-    def _add(self, gui: viser.GuiApi, lines: tuple[Curve, ...], palette: Palette) -> Any:
+    def _add(self, gui: viser.GuiApi, curves: tuple[Curve, ...], palette: Palette) -> Any:
         return gui.add_uplot(
-            tuple(np.zeros(2) for _ in range(len(lines) + 1)),
-            _series(lines, palette),
+            tuple(np.zeros(2) for _ in range(len(curves) + 1)),
+            _series(curves, palette),
             visible=palette is DARK,
             height=HEIGHT,
             scales={"x": up.Scale(time=False, auto=True), "y": up.Scale(range=(0, None))},
@@ -127,7 +128,7 @@ class Chart:
         )
 
     def set_palette(self, palette: Palette) -> None:
-        """Draw in another look from now on."""
+        """Draw in another theme from now on."""
         shown, self._handle = self._handle, self._handles[palette]
         if self._handle is not shown:
             self._handle.data = shown.data
@@ -138,39 +139,36 @@ class Chart:
 
         Args:
             series: columns by name.
-            ghost: whether people compare.
+            ghost: whether there is a ghost.
         """
         plot = self._plot
-        marks = tuple(
-            (f"var(--{line.colour})", line.text, line.dash is not None)
-            for line in plot.lines
-            if ghost or not line.ghost
-        )
-        assign(self._title, "content", plot_title(plot.name, plot.unit, marks))
-        values = [np.minimum(_held(series["t"], series[line.column]), plot.cap) for line in plot.lines]
+        shown = [curve for curve in plot.curves if ghost or not curve.ghost]
+        set_if_changed(self._title, "content", render("panels/plot_title.html", plot=plot, curves=shown))
+        values = [np.minimum(_held(series["t"], series[curve.column]), plot.cap) for curve in plot.curves]
         top = max(np.nanmax(value, initial=plot.floor) for value in values)
         near = plot.limit is not None and top > NEAR_LIMIT * plot.limit
-        hidden = -top  # below the plot; the renderer does not know gaps
+        hidden = -top  # below the plot, because uPlot draws no gaps
         limit = plot.limit if near and plot.limit is not None else hidden
         values = [np.nan_to_num(value, nan=hidden) for value in values]
         flat = [np.full_like(values[0], level) for level in (limit, plot.floor)]
         self._handle.data = (series["t"], *values, *flat, np.where(series["event"] > 0.0, max(top, limit), hidden))
 
 
-def _series(lines: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...]:
-    """How uPlot draws the time and these lines."""
+def _series(curves: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...]:
+    """uPlot's series of the time and of these curves."""
     named, found = palette.named(), [up.Series(label="t")]
-    for line in lines:
-        colour = f"#{named[line.colour]}" if line.colour in named else line.colour
-        look = up.Series(label=line.text, stroke=colour, width=1.6 if line.column else 1.0, points={"show": False})
-        if line.dash is not None:
-            look["dash"] = line.dash
-        found.append(look)
+    for curve in curves:
+        colour = f"#{named[curve.colour]}" if curve.colour in named else curve.colour
+        width = 1.6 if curve.column else 1.0
+        series = up.Series(label=curve.text, stroke=colour, width=width, points={"show": False})
+        if curve.dash is not None:
+            series["dash"] = curve.dash
+        found.append(series)
     return tuple(found)
 
 
 def _held(stamps: FloatArray, values: FloatArray) -> FloatArray:
-    """The values, going on at both ends while a ghost's word may be under way, so that its line has no cliff."""
+    """The values, held at both ends while a ghost's message may be on its way, so that its curve has no step."""
     known = np.flatnonzero(np.isfinite(values))
     if len(known) in (0, len(values)):
         return values

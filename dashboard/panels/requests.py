@@ -1,4 +1,4 @@
-"""Where requests to the world are made: one thread asks, so that no button ever waits and requests keep their order."""
+"""Requests to the world: one thread sends them, so that no button waits and requests keep their order."""
 
 import threading
 from collections.abc import Callable
@@ -8,42 +8,45 @@ from typing import Any
 
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
+from network.bus import Bus
 from network.control import Clear, Operation, SetFault
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
 
 QUIET_SECONDS = 0.08
-"""A slider that is dragged says many values; the one on which it rests is sent."""
+"""A slider that is dragged sends many values; the last one is requested once it has rested for so long [s]."""
 POLL_SECONDS = 0.04
+"""Between two looks at the resting values and the setup [s]."""
 
 Notify = Callable[[int | None, str, str], None]
-"""(page or None for all, title, text): shows a person why something was not done."""
+"""(page or None for all, title, text): shows a notice, such as why a request was refused."""
 
 
 class RequestQueue:
-    """Takes what people ask for, in order, and tells them if it was refused."""
+    """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, session: Session, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+    def __init__(self, session: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
         self._session, self._telemetry, self._notify = session, telemetry, notify
-        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()  # None wakes
+        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = (
+            SimpleQueue()
+        )  # None: look at the resting values
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
         self._errors = ThrottledLog()
         self._over = False
-        self._thread = threading.Thread(target=self._work, name="desk", daemon=True)
+        self._thread = threading.Thread(target=self._work, name="requests", daemon=True)
 
     def start(self) -> None:
-        """Begin to ask."""
+        """Begin to send."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Ask no more."""
+        """Send no more."""
         self._over = True
         self._thread.join(1.0)
 
     def ask(self, operation: Operation, page: int | None) -> None:
-        """Have the world do this, after everything that was asked before."""
+        """Request an operation, after all earlier requests."""
         self._flush()
         self._queue.put((operation, page))
 
@@ -56,14 +59,22 @@ class RequestQueue:
         *,
         at_once: bool = False,
     ) -> None:
-        """Change keys of the faults of some links, at once or when the person's hand has come to rest."""
+        """Change keys of some links' faults.
+
+        Args:
+            links: their names; "all" for all links of the ring.
+            changes: key and new value of formation.faults.Fault.
+            seconds: simulated time after which the change ends; None: never.
+            page: that asks.
+            at_once: do not wait until the value rests.
+        """
         with self._lock:
             self._resting.setdefault(links, {}).update(changes)
             self._rest = (monotonic() + QUIET_SECONDS * (not at_once), seconds, page)
         self._queue.put(None)
 
     def clear(self, links: tuple[str, ...], page: int | None) -> None:
-        """Take back the faults of some links."""
+        """Remove the faults of some links."""
         for link in links:
             self.ask(Clear(link=link), page)
 
@@ -79,7 +90,7 @@ class RequestQueue:
         while not self._over:
             try:
                 self._next()
-            except Exception:  # without this thread no button would do anything any more
+            except Exception:  # without this thread no button would work any more
                 self._errors.add_exception("asking the world")
 
     def _next(self) -> None:
@@ -94,27 +105,27 @@ class RequestQueue:
         if asked is None:
             return
         operation, page = asked
-        complaint = self._do(operation)
-        if complaint is not None:
-            self._notify(page, *complaint)
+        refusal = self._do(operation)
+        if refusal is not None:
+            self._notify(page, *refusal)
 
     def _do(self, operation: Operation) -> tuple[str, str] | None:
-        """Ask; title and text of what a person must hear, if anything."""
+        """Send a request; returns title and text of a notice if it was not done."""
         try:
             reply = self._session.ask(operation)
-            if reply is None and not self._session.connected:  # then nobody is asked, and None comes at once
-                return "The network is gone", "The run's router cannot be reached, so nothing was asked of the world."
+            if reply is None and not self._session.connected:  # then None comes at once
+                return "The network is gone", "The run's router cannot be reached, so the request was not sent."
         except WireError as error:
-            return "The world's answer makes no sense", str(error)
+            return "The world's reply is not valid", str(error)
         except Exception as error:  # a session that is being closed, say
             self._errors.add_exception("asking the world")
-            return "The world could not be asked", (str(error) or type(error).__name__).splitlines()[0][:200]
+            return "The request could not be sent", (str(error) or type(error).__name__).splitlines()[0][:200]
         if reply is None:
             return "No answer", "The world did not answer; is it still running?"
         return None if reply.ok else ("Not done", reply.reason)
 
 
 def _given(link: str, changes: dict[str, Any], seconds: float | None) -> dict[str, Any]:
-    """Fields of a SetFault; not checked here, because it is the world that judges what a page sends."""
+    """Fields of a SetFault; not validated here, because the world validates what a page sends."""
     fields: dict[str, Any] = {"link": link, "changes": changes}
     return fields if seconds is None else {**fields, "seconds": seconds}

@@ -1,13 +1,13 @@
-"""The run panel: how the run is; start, pause, step, reset, scenario, controller, speed. Labels follow the world."""
+"""The run panel: summary, start, pause, step, reset, scenario, controller, speed. Labels show the world's state."""
 
 from typing import Any
 
 import viser
 
 from dashboard.panels.comparison import comparison
-from dashboard.panels.controls import MirroredControl, assign
+from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
 from dashboard.panels.requests import RequestQueue
-from dashboard.panels.summary import head
+from dashboard.panels.run_summary import run_summary
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
@@ -26,8 +26,8 @@ SPEEDS = {
     "as fast as possible": 0.0,
 }
 STEP_TICKS = 10
-ALONE = "nothing"
-COMPARE_HINT = "Flies this controller beside the live one, as a ghost that meets the very same faults"
+NO_GHOST = "nothing"
+COMPARE_HINT = "Simulates this controller beside the run, as a ghost with the very same faults"
 
 
 class RunPanel:
@@ -36,36 +36,36 @@ class RunPanel:
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         self._requests = requests
         self._status = ""
-        self._head = gui.add_html("")
+        self._summary = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", tuple(shipped())))
         self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
-        self._compare = MirroredControl(gui.add_dropdown("Compare with", (ALONE, *NAMES), hint=COMPARE_HINT))
-        self._verdict = gui.add_html("")
+        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
+        self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
-        self._scenario.control.on_update(lambda event: self._person(event, lambda name: UseScenario(scenario=name)))
+        self._scenario.control.on_update(lambda event: self._choose(event, lambda name: UseScenario(scenario=name)))
         self._controller.control.on_update(
-            lambda event: self._person(event, lambda name: UseController(controller=name))
+            lambda event: self._choose(event, lambda name: UseController(controller=name))
         )
-        self._compare.control.on_update(lambda event: self._person(event, _compare))
-        self._speed.control.on_update(lambda event: self._person(event, lambda name: Speed(speed=_speed(name))))
+        self._compare.control.on_update(lambda event: self._choose(event, _compare))
+        self._speed.control.on_update(lambda event: self._choose(event, lambda name: Speed(speed=_speed(name))))
         self._add_commands(gui)
 
     def _add_commands(self, gui: viser.GuiApi) -> None:
-        """Shortcuts; they stand in the command palette (Ctrl-K) too."""
+        """Keyboard shortcuts; the command palette (Ctrl-K) lists them too."""
         pause = gui.add_command("Start or pause", hotkey="P", icon=viser.Icon.PLAYER_PLAY)
         pause.on_trigger(lambda event: self._switch(event.client_id))
         step = gui.add_command("Step", description=f"{STEP_TICKS} ticks", hotkey="S", icon=viser.Icon.PLAYER_TRACK_NEXT)
         step.on_trigger(lambda event: self._act("Step", event.client_id))
-        reset = gui.add_command("Reset", description="Start the flight again", hotkey="R", icon=viser.Icon.REFRESH)
+        reset = gui.add_command("Reset", description="Begin a new episode", hotkey="R", icon=viser.Icon.REFRESH)
         reset.on_trigger(lambda event: self._act("Reset", event.client_id))
         clear = gui.add_command("Clear all faults", hotkey="C", icon=viser.Icon.ERASER)
         clear.on_trigger(lambda event: self._act("Clear faults", event.client_id))
 
-    # ------------------------------------------------------------------ what people do
+    # ------------------------------------------------------------------ from the user to the world
 
     def _switch(self, page: int | None) -> None:
         self._requests.ask(Pause() if self._status == "running" else Start(), page)
@@ -75,16 +75,16 @@ class RunPanel:
         if name in operations:
             self._requests.ask(operations[name], page)
 
-    def _person(self, event: viser.GuiEvent[Any], operation: Any) -> None:
+    def _choose(self, event: viser.GuiEvent[Any], operation: Any) -> None:
         # A page may send anything; a scenario by its path must not be read for it.
         if event.client_id is not None and event.target.value in event.target.options:
             self._requests.ask(operation(event.target.value), event.client_id)
 
-    # ------------------------------------------------------------------ what the world says
+    # ------------------------------------------------------------------ from the world to the panel
 
     def draw(self, snapshot: Snapshot, links: list[LinkView], history: History) -> None:
-        """Show how the run is."""
-        assign(self._head, "content", head(snapshot, links))
+        """Show the state of the run."""
+        set_if_changed(self._summary, "content", run_summary(snapshot, links))
         state = snapshot.state
         if state is None:
             return
@@ -93,23 +93,23 @@ class RunPanel:
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = icon
-        _choose(self._scenario, state.scenario)
-        _choose(self._controller, state.controller)
-        _choose(self._compare, state.compare or ALONE)
-        assign(self._verdict, "content", comparison(state, history))
-        _choose(self._speed, _speed_name(state))
+        _show(self._scenario, state.scenario)
+        _show(self._controller, state.controller)
+        _show(self._compare, state.compare or NO_GHOST)
+        set_if_changed(self._comparison, "content", comparison(state, history))
+        _show(self._speed, _speed_name(state))
 
 
 _LABELS = {
     "running": ("Pause", viser.Icon.PLAYER_PAUSE),
     "paused": ("Start", viser.Icon.PLAYER_PLAY),
     "waiting": ("Start", viser.Icon.PLAYER_PLAY),
-    "finished": ("Fly again", viser.Icon.REPEAT),
+    "finished": ("Restart", viser.Icon.REPEAT),
 }
 
 
 def _compare(name: str) -> Operation:
-    return Compare.model_validate({"controller": "off" if name == ALONE else name})
+    return Compare.model_validate({"controller": "off" if name == NO_GHOST else name})
 
 
 def _speed(name: str) -> float:
@@ -121,8 +121,8 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
-def _choose(dropdown: MirroredControl, value: str) -> None:
-    """Show this value, also if it is not one of the shipped ones."""
+def _show(dropdown: MirroredControl, value: str) -> None:
+    """Show the world's value, also if the dropdown does not offer it."""
     if value not in dropdown.control.options:
         dropdown.control.options = (*dropdown.control.options, value)
-    dropdown.follow(value)
+    dropdown.show(value)

@@ -1,1 +1,1 @@
-"""What is drawn in 3D: bodies, plans, links, ghost, and from where they are seen."""
+"""The 3D scene: bodies, plans, links, ghost, and the cameras of all pages."""

@@ -1,6 +1,6 @@
-"""Where each person looks from: fit, 3D, follow the formation or one robot. Each page has its own view.
+"""The cameras of all pages: fit, 3D, follow the formation or one robot. Each page has its own.
 
-The camera is in perspective with a narrow angle, which looks flat from above and tips into 3D when it is dragged.
+The camera is in perspective with a narrow angle: from above it looks flat, and it can be tilted into 3D.
 """
 
 import math
@@ -13,39 +13,39 @@ from typing import Any
 import numpy as np
 import viser
 
-from dashboard.scene.scene import route_line
+from dashboard.scene.path_line import path_points
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 
 FOV = math.radians(12.0)
 TILT = 0.004
-"""Straight down would leave open which way is up."""
+"""From the vertical [rad]: straight down, the up direction would be undefined."""
 WIDE_METRES = 4.0
-"""On longer paths the robots would be dots: then the view follows them from the start."""
+"""On longer paths the robots would be dots: then the camera follows them from the start [m]."""
 MARGIN = 1.12
-HANDS_OFF_SECONDS = 0.4
-"""A following view rests so long after a person moved it, then goes on from there."""
+HOLD_SECONDS = 0.4
+"""A following camera rests so long after a user moved it, then follows with the new offset [s]."""
 TRIES = 4
-"""To agree with a page that speaks at the same moment."""
+"""To read or write a camera while its page sends another pose."""
 ASPECT = 1.1
-"""Width by height of the free part of the page, until the page has said."""
+"""Width by height of the canvas, until the page has sent its own."""
 
 
 @dataclass(slots=True)
-class _View:
-    """One page's view."""
+class _PageCamera:
+    """The camera of one page."""
 
     client: viser.ClientHandle
     target: int | None = None
     """Robot that is followed, 0 for the formation; None if nothing is."""
     offset: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    """From the point that is looked at to the camera [m]."""
+    """From the point that the camera looks at to the camera [m]."""
     set_at: float = 0.0
     rest_until: float = 0.0
     fit_at: list[float] = field(default_factory=list)
-    """When to fit again: the page tells its size late."""
+    """When to fit again: the page sends its size late [s]."""
     ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=6))
-    """What this page was last told to look at, and from where: what differs is a person's doing [m]."""
+    """Points looked at and offsets last sent to the page: one that differs comes from the user [m]."""
 
 
 class Cameras:
@@ -54,7 +54,7 @@ class Cameras:
     def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
         self._lock = threading.RLock()
-        self._views: dict[int, _View] = {}
+        self._pages: dict[int, _PageCamera] = {}
         self._scenario: Scenario | None = None
         self._poses: FloatArray = np.zeros((1, 3))
         self._set_home(np.zeros(3), 3.0)
@@ -70,51 +70,51 @@ class Cameras:
         camera.up = (0.0, 0.0, 1.0)
         camera.fov = FOV
 
-    # ------------------------------------------------------------------ what people ask
+    # ------------------------------------------------------------------ from the user
 
     def fit(self, client: viser.ClientHandle) -> None:
         """Show the whole path from above."""
         with self._lock:
-            view = self._views.get(client.client_id)
-            if view is not None:
-                view.target = None
-                view.fit_at = [monotonic(), monotonic() + 0.4]
+            page = self._pages.get(client.client_id)
+            if page is not None:
+                page.target = None
+                page.fit_at = [monotonic(), monotonic() + 0.4]
 
-    def tip(self, client: viser.ClientHandle) -> None:
-        """Look at the same thing from the side."""
+    def tilt(self, client: viser.ClientHandle) -> None:
+        """Look at the same point from the side."""
         with self._lock:
-            view = self._views.get(client.client_id)
-            if view is None:
+            page = self._pages.get(client.client_id)
+            if page is None:
                 return
-            view.fit_at = []
+            page.fit_at = []
             look_at = np.array(client.camera.look_at)
             distance = float(np.linalg.norm(np.array(client.camera.position) - look_at))
-            self._move(view, look_at, 0.92 * distance * np.array([-0.30, -0.66, 0.69]))
+            self._move(page, look_at, 0.92 * distance * np.array([-0.30, -0.66, 0.69]))
 
     def follow(self, client: viser.ClientHandle, target: int = 0) -> None:
         """Keep a robot, or the formation (0), in the middle."""
         with self._lock:
-            view = self._views.get(client.client_id)
-            if view is not None:
-                self._follow(view, target)
+            page = self._pages.get(client.client_id)
+            if page is not None:
+                self._follow(page, target)
 
-    def _follow(self, view: _View, target: int) -> None:
-        view.target = target
-        view.fit_at = []
+    def _follow(self, page: _PageCamera, target: int) -> None:
+        page.target = target
+        page.fit_at = []
         distance = 0.5 * self._follow_height() / math.tan(FOV / 2.0)
-        self._move(view, self._centre(target), distance * np.array([0.0, -TILT, 1.0]))
+        self._move(page, self._centre(target), distance * np.array([0.0, -TILT, 1.0]))
 
     def release(self, client: viser.ClientHandle) -> None:
         """Follow nothing."""
         with self._lock:
-            view = self._views.get(client.client_id)
-            if view is not None:
-                view.target = None
+            page = self._pages.get(client.client_id)
+            if page is not None:
+                page.target = None
 
     # ------------------------------------------------------------------ every frame
 
     def update(self, scenario: Scenario, poses: FloatArray) -> None:
-        """Move the views that follow."""
+        """Move the cameras that follow."""
         with self._lock:
             self._poses = poses
             if scenario is not self._scenario:
@@ -122,12 +122,12 @@ class Cameras:
                 if known is None or known.path != scenario.path or known.size != scenario.size:
                     self._begin(scenario)
             now = monotonic()
-            for view in self._views.values():
-                if view.fit_at and now >= view.fit_at[0]:
-                    view.fit_at.pop(0)
-                    self._fit(view, scenario)
-                elif view.target is not None and now >= view.rest_until:
-                    self._move(view, self._centre(view.target), view.offset)
+            for page in self._pages.values():
+                if page.fit_at and now >= page.fit_at[0]:
+                    page.fit_at.pop(0)
+                    self._fit(page, scenario)
+                elif page.target is not None and now >= page.rest_until:
+                    self._move(page, self._centre(page.target), page.offset)
 
     def _begin(self, scenario: Scenario) -> None:
         low, high = _bounds(scenario)
@@ -136,34 +136,34 @@ class Cameras:
             self._set_home(self._centre(0), self._follow_height())
         else:
             self._set_home((low + high) / 2.0, max(height, width / ASPECT))
-        for view in self._views.values():
-            self._first(view)
+        for page in self._pages.values():
+            self._first(page)
 
-    def _first(self, view: _View) -> None:
+    def _first(self, page: _PageCamera) -> None:
         if self._scenario is not None and self._wide(self._scenario):
-            self._follow(view, 0)
+            self._follow(page, 0)
         else:
-            view.target = None
-            view.fit_at = [monotonic() + pause for pause in (0.0, 0.7, 2.0)]
+            page.target = None
+            page.fit_at = [monotonic() + pause for pause in (0.0, 0.7, 2.0)]
 
-    def _fit(self, view: _View, scenario: Scenario) -> None:
+    def _fit(self, page: _PageCamera, scenario: Scenario) -> None:
         low, high = _bounds(scenario)
-        aspect = view.client.camera.aspect
+        aspect = page.client.camera.aspect
         width, height = high - low
         distance = 0.5 * MARGIN * max(height, width / aspect) / math.tan(FOV / 2.0)
-        self._move(view, np.append((low + high) / 2.0, 0.0), distance * np.array([0.0, -TILT, 1.0]))
+        self._move(page, np.append((low + high) / 2.0, 0.0), distance * np.array([0.0, -TILT, 1.0]))
 
-    def _move(self, view: _View, look_at: FloatArray, offset: FloatArray) -> None:
-        view.offset, view.set_at = offset, monotonic()
-        if view.ours and np.array_equal(view.ours[-1][1], offset):
-            view.ours.pop()
-        view.ours.append((look_at, offset))
-        with view.client.atomic():
-            camera = view.client.camera
+    def _move(self, page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> None:
+        page.offset, page.set_at = offset, monotonic()
+        if page.ours and np.array_equal(page.ours[-1][1], offset):
+            page.ours.pop()
+        page.ours.append((look_at, offset))
+        with page.client.atomic():
+            camera = page.client.camera
             for _ in range(TRIES):
                 camera.position = look_at + offset
                 camera.look_at = look_at
-                if np.allclose(camera.position, look_at + offset):  # else the page's own word came in between
+                if np.allclose(camera.position, look_at + offset):  # else a pose from the page came in between
                     break
             if abs(camera.fov - FOV) > 1e-6:
                 camera.fov = FOV
@@ -188,25 +188,25 @@ class Cameras:
 
     def _connected(self, client: viser.ClientHandle) -> None:
         with self._lock:
-            view = self._views[client.client_id] = _View(client)
+            page = self._pages[client.client_id] = _PageCamera(client)
             home = self._server.initial_camera
             for camera in (client.camera, home):
-                view.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
-            self._first(view)
+                page.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
+            self._first(page)
 
         @client.camera.on_update
         def _(camera: viser.CameraHandle) -> None:
             with self._lock:
                 position, look_at = _pose(camera)
-                _note_hand(view, look_at, position - look_at)
+                _note_user(page, look_at, position - look_at)
 
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
-            self._views.pop(client.client_id, None)
+            self._pages.pop(client.client_id, None)
 
 
 def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
-    """Position and point that is looked at, both of the same word of the page's: another may come in between [m]."""
+    """Position, and point looked at, both of one message of the page: another may come in between [m]."""
     for _ in range(TRIES):
         position, look_at = np.array(camera.position), np.array(camera.look_at)
         if np.array_equal(position, camera.position):
@@ -214,19 +214,19 @@ def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
     return position, look_at
 
 
-def _note_hand(view: _View, look_at: FloatArray, offset: FloatArray) -> None:
-    """A page says how it looks. If a person moved it, late fits are off, and what follows goes on from there."""
-    near = 0.01 * float(np.linalg.norm(view.offset))
-    if view.target is None:
-        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in view.ours):
-            view.fit_at = []
-    elif all(np.linalg.norm(offset - to) > near for _, to in view.ours) and monotonic() - view.set_at < 10.0:
-        view.offset = offset
-        view.rest_until = monotonic() + HANDS_OFF_SECONDS
+def _note_user(page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> None:
+    """Take over a pose from a page. If the user moved the camera, cancel late fits, and follow with the new offset."""
+    near = 0.01 * float(np.linalg.norm(page.offset))
+    if page.target is None:
+        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in page.ours):
+            page.fit_at = []
+    elif all(np.linalg.norm(offset - to) > near for _, to in page.ours) and monotonic() - page.set_at < 10.0:
+        page.offset = offset
+        page.rest_until = monotonic() + HOLD_SECONDS
 
 
 def _bounds(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
-    """Corners of what a fitting view shows [m]."""
-    line = route_line(scenario)
+    """Corners of the area that `fit` shows [m]."""
+    line = path_points(scenario)
     reach = float(np.hypot(*scenario.formation.array.T).max()) + 0.08
     return line.min(axis=0) - reach, line.max(axis=0) + reach

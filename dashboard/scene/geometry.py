@@ -11,7 +11,7 @@ Faces = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
 
 
 def roll_out(poses: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
-    """Positions (n, N + 1, 2) that robots pass when they hold each input for `interval` (formation/unicycle.py).
+    """Positions (n, N + 1, 2) of robots that hold each input for `interval` (formation/unicycle.py).
 
     Args:
         poses: (n, 3) at the start [m, m, rad].
@@ -90,7 +90,7 @@ def ring(radius: float, thickness: float) -> tuple[FloatArray, Faces]:
 
 
 def _band(inner: FloatArray, outer: FloatArray) -> tuple[FloatArray, Faces]:
-    """What lies between two closed lines (count, 2) each."""
+    """The area between two closed polylines (count, 2) each."""
     count = len(inner)
     i = np.arange(count)
     j = (i + 1) % count

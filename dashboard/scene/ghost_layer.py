@@ -1,4 +1,4 @@
-"""The ghost in the scene: pale outlines of robots, a pale dotted pattern between them, pale dashed trails."""
+"""The ghost in the scene: pale outlines of robots, a pale dashed pattern between them, pale dashed trails."""
 
 from typing import Any
 
@@ -13,14 +13,14 @@ from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
 
 PALE = 0.75
-"""Share of the ghost's colour in its outlines, the rest is the ground's."""
+"""Share of the ghost's colour in its outlines; the rest is the background's."""
 
 
 class GhostLayer:
-    """The ghost's nodes, there from the scene's beginning and hidden while there is no ghost."""
+    """The ghost's nodes; they exist from the start and are hidden while there is no ghost."""
 
     def __init__(self, scene: viser.SceneApi, robots: int, sizes: layers.Sizes, palette: Palette) -> None:
-        """For so many robots."""
+        """Make the nodes, hidden."""
         n, grey = robots, colours.rgb(palette.ghost)
         length, width = sizes.body
         self._sizes, self._shown = sizes, False
@@ -41,16 +41,16 @@ class GhostLayer:
             node.visible = False
 
     def allow(self, allowed: bool) -> None:
-        """Whether people want to see it."""
+        """Show the ghost if there is one, or hide it."""
         self._allowed = allowed
 
     def draw(self, track: GhostTrack, stamp: float, *, trails: bool) -> None:
         """Bring it up to date; call within server.atomic().
 
         Args:
-            track: what is known of the ghost.
-            stamp: at which the robots are drawn [s].
-            trails: whether the trails' turn has come.
+            track: the ghost's poses and trails.
+            stamp: that of the robots as drawn [s].
+            trails: whether the trails are drawn in this frame.
         """
         poses = track.poses(stamp) if self._allowed else None
         if (poses is not None) != self._shown:
@@ -70,6 +70,6 @@ class GhostLayer:
 
 
 def _every_other(segments: FloatArray, robots: int) -> FloatArray:
-    """Of polylines' segments (n T, 2, 3) every other one: dashes."""
+    """Every other segment of polylines (n T, 2, 3): dashes."""
     per_robot = segments.reshape(robots, -1, 2, 3)[:, ::2]
     return per_robot.reshape(-1, 2, 3)

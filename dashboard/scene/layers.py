@@ -1,6 +1,6 @@
-"""What the scene's layers hold, as arrays: pure functions of what is known.
+"""The scene's layers as arrays: pure functions of the telemetry.
 
-Every function gives arrays whose length depends on the scenario alone, so that points and colours always fit.
+The length of every array depends on the scenario alone, so that points and colours always fit.
 """
 
 from collections.abc import Mapping
@@ -23,13 +23,13 @@ DASHES = 8
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Sizes for robots that stand `spacing` apart; made for 0.1 m [m]."""
+    """Sizes in the scene [m]: those for a spacing of 0.1 m, times `unit`."""
 
     unit: float
 
     @classmethod
     def of(cls, spacing: float) -> "Sizes":
-        """Sizes for a formation, within reason."""
+        """Sizes for robots `spacing` [m] apart; `unit` is 0.4 to 3."""
         return cls(float(np.clip(spacing / 0.1, 0.4, 3.0)))
 
     @property
@@ -75,8 +75,8 @@ class Arrows:
 
 
 def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
-    """One arrow per link, beside the edge, to the right of the way the words go; dashed if nothing arrives."""
-    start = poses[:, 0] + 1j * poses[:, 1]  # as complex numbers it takes half the time
+    """One arrow per link, beside the edge, to the right of the direction from sender to receiver; dashed if lost."""
+    start = poses[:, 0] + 1j * poses[:, 1]  # complex numbers take half the time of pairs
     gap = np.roll(start, -1) - start
     length = np.maximum(np.abs(gap), 1e-6)
     along = gap / length
@@ -103,13 +103,13 @@ def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Byte
 
 
 def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float | None = None) -> FloatArray:
-    """(n, steps + 1, 2): where each plan leads; a robot without one stays where it is drawn [m].
+    """(n, steps + 1, 2): positions that each plan leads to; a robot without one stays where it is drawn [m].
 
     Args:
         plans: of each robot.
         poses: (n, 3) where the robots are drawn [m, m, rad].
         steps: inputs of a plan.
-        now: what is left of the plans at this time [s], from where the robots are; else from where they were made.
+        now: draw what is left of the plans at this time [s], from where the robots are; None: whole, from their start.
     """
     start, inputs, interval = poses.copy(), np.zeros((len(poses), steps, 2)), 0.1
     for row, plan in enumerate(plans):
@@ -129,13 +129,13 @@ def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list
 
 
 def held_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
-    """The plan of every robot that the one downstream of it still holds, in the order of the senders."""
+    """Of every robot the plan that its downstream neighbour holds, ordered by sender."""
     receivers = [(i, downstream(i, robots)) for i in range(1, robots + 1)]
     return [_of(i, statuses[other].held if other in statuses else None, episode) for i, other in receivers]
 
 
 def _of(robot: int, plan: Plan | None, episode: int) -> Plan | None:
-    """The plan, if it is this robot's and of this flight."""
+    """The plan, if it is this robot's and of this episode."""
     return plan if plan is not None and (plan.sender, plan.episode) == (robot, episode) else None
 
 
@@ -147,7 +147,7 @@ def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *
 
 
 def body_colours(robots: int, lost: set[int], palette: Palette) -> FloatArray:
-    """(n, 3) sRGB: the hue of each robot, pale for one without a mind."""
+    """(n, 3) sRGB: the hue of each robot, pale for one without an agent."""
     colour = colours.identities(robots, palette)
     for robot in lost:
         colour[robot - 1] = colours.mix(colour[robot - 1], 0.35, palette)
@@ -155,7 +155,7 @@ def body_colours(robots: int, lost: set[int], palette: Palette) -> FloatArray:
 
 
 def outline_colours(robots: int, lost: set[int], stopped: set[int], focus: int | None, palette: Palette) -> FloatArray:
-    """(n, 3) sRGB: red around a robot without a mind, amber around one that is held, bright around the chosen one."""
+    """(n, 3) sRGB: red for a robot without an agent, amber for one that is held, bright for the chosen one."""
     colour = np.tile(colours.rgb(palette.outline), (robots, 1))
     if focus is not None and 1 <= focus <= robots:
         colour[focus - 1] = colours.rgb(palette.chosen)

@@ -5,9 +5,16 @@ from typing import Any
 import numpy as np
 import viser
 
-from dashboard.scene import geometry
+from dashboard.scene import geometry, layers
+from dashboard.scene.path_line import path_dashes
+from dashboard.telemetry.series import TRAIL_POINTS
 from dashboard.theme import colours
+from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
+from formation.scenario.scenario import Scenario
+
+Shape = tuple[FloatArray, geometry.Faces]
+"""Vertices and faces of a mesh."""
 
 
 def lines(scene: viser.SceneApi, name: str, points: FloatArray, colour: FloatArray, thickness: float) -> Any:
@@ -17,8 +24,8 @@ def lines(scene: viser.SceneApi, name: str, points: FloatArray, colour: FloatArr
     return scene.add_line_segments(name, points, colours.encode(colour), thickness=thickness, thickness_units="screen")
 
 
-def meshes(scene: viser.SceneApi, name: str, shape: tuple[FloatArray, geometry.Faces], count: int) -> Any:
-    """So many flat things of one shape."""
+def meshes(scene: viser.SceneApi, name: str, shape: Shape, count: int) -> Any:
+    """`count` flat meshes of one shape."""
     return scene.add_batched_meshes_simple(
         name,
         shape[0],
@@ -31,3 +38,48 @@ def meshes(scene: viser.SceneApi, name: str, shape: tuple[FloatArray, geometry.F
         cast_shadow=False,
         receive_shadow=False,
     )
+
+
+def scenario_nodes(
+    scene: viser.SceneApi, scenario: Scenario, sizes: layers.Sizes, palette: Palette, strokes: int
+) -> dict[str, Any]:
+    """All nodes of a scenario but the ghost's, by name.
+
+    Positions and colours are set with every frame; what is set here is their number, and what never changes.
+
+    Args:
+        scene: of viser.
+        scenario: that is shown.
+        sizes: of its robots.
+        palette: of the theme.
+        strokes: number of line segments in the robots' numbers.
+    """
+    n, steps = scenario.size, scenario.controller.horizon
+    hue, unit = colours.identities(n, palette), sizes.unit
+    length, width = sizes.body
+    path = geometry.lifted(path_dashes(scenario), sizes.z(1))
+    trail = layers.fading(hue, TRAIL_POINTS, 0.85, palette, towards_end=False)
+    horizon = layers.fading(hue, steps + 1, 1.0, palette, towards_end=True)
+    dashes = (steps + 1) // 2
+    belief = np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], dashes, axis=0), 2, axis=1)
+    desired, number = colours.rgb(palette.desired), colours.rgb(palette.number)
+
+    def segments(name: str, count: int, colour: FloatArray, thickness: float) -> Any:
+        return lines(scene, name, np.zeros((count, 2, 3)), colour, thickness)
+
+    made = {
+        "/path": lines(scene, "/path", path, colours.rgb(palette.path), 1.4),
+        "/trails": segments("/trails", len(trail), trail, 2.0),
+        "/slots": meshes(scene, "/slots", geometry.ring(0.025 * unit, 0.0022 * unit), n),
+        "/desired": segments("/desired", 6 * n, desired, 1.2),
+        "/beliefs": segments("/beliefs", len(belief), belief, 1.8),
+        "/horizons": segments("/horizons", len(horizon), horizon, 2.6),
+        "/edges": segments("/edges", n, np.zeros(3), 3.2),
+        "/links": segments("/links", n * layers.DASHES, np.zeros(3), 1.8),
+        "/heads": meshes(scene, "/heads", geometry.arrow_head(0.016 * unit, 0.012 * unit), n),
+        "/outlines": meshes(scene, "/outlines", geometry.teardrop(length, width, 0.003 * unit), n),
+        "/bodies": meshes(scene, "/bodies", geometry.teardrop(length, width), n),
+        "/numbers": segments("/numbers", strokes, number, 2.0),
+    }
+    made["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
+    return made

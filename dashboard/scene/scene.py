@@ -1,4 +1,4 @@
-"""The middle of the page: robots, trails, plans, links. One node per kind of thing, never one per robot."""
+"""The scene in the middle of the page: robots, trails, plans, links, ghost."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,7 +10,6 @@ from dashboard.scene import geometry, layers, nodes
 from dashboard.scene.ghost_layer import GhostLayer
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.series import TRAIL_POINTS
 from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, Palette
@@ -19,9 +18,9 @@ from formation.scenario.scenario import Scenario
 from network.messages import State
 
 SLOW = 3
-"""Trails, which are the most bytes, plans, which are told ten times a second, and colours: in every so many frames."""
+"""Trails, which are the most bytes, plans, which come ten times a second, and colours: in every third frame."""
 MANY = 8
-"""Between more robots links and edges are drawn in every other frame."""
+"""With more robots, links and edges are drawn in every other frame."""
 GHOST = "Ghost"
 LAYERS = {
     "Trails": ("/trails",),
@@ -31,11 +30,11 @@ LAYERS = {
     "Links": ("/links", "/heads"),
     GHOST: (),
 }
-"""What can be hidden, and its nodes; the ghost hides its own."""
+"""The layers that can be hidden, and their nodes; the ghost hides its own."""
 
 
 class Scene:
-    """Draws what is known."""
+    """Draws a snapshot."""
 
     def __init__(
         self,
@@ -47,8 +46,8 @@ class Scene:
 
         Args:
             server: whose scene is used.
-            on_robot: a person clicked this robot.
-            on_link: a person clicked the link with this sender.
+            on_robot: a user clicked this robot.
+            on_link: a user clicked the link with this sender.
         """
         self._server, self._on_robot, self._on_link = server, on_robot, on_link
         self._nodes: dict[str, Any] = {}
@@ -58,10 +57,10 @@ class Scene:
         self._strokes: FloatArray = np.empty((0, 2, 2))
         self._stroke_owner: np.ndarray[Any, np.dtype[np.intp]] = np.empty(0, dtype=np.intp)
         self.focus: int | None = None
-        """The robot with a white outline."""
+        """The robot with a bright outline."""
         self._focus_drawn: int | None = None
         self._state: State | None = None
-        self._looks: object = None
+        self._robots_key: object = None
         self._ghost: GhostLayer | None = None
         self._ghost_shown = True
         self._palette = DARK
@@ -86,7 +85,7 @@ class Scene:
         )
 
     def set_palette(self, palette: Palette) -> None:
-        """Draw in another look from now on; call within server.atomic()."""
+        """Draw in another theme from now on; call within server.atomic()."""
         if palette != self._palette:
             self._palette = palette
             self._lay_grid()
@@ -107,9 +106,9 @@ class Scene:
 
         Args:
             seen: what is known.
-            links: the same links as people see them.
+            links: health of the ring's links.
             history: for the trails.
-            whole: also what usually takes turns from frame to frame.
+            whole: also the layers that otherwise take turns from frame to frame.
         """
         state, scenario = snapshot.state, snapshot.scenario
         if state is None or scenario is None or scenario.size != len(state.poses):
@@ -140,7 +139,7 @@ class Scene:
             self._recolour(state, links)
 
     def _move(self, poses: FloatArray) -> None:
-        """The robots."""
+        """Move the robots."""
         drawn, sizes = self._nodes, self._sizes
         turned = geometry.turns(poses[:, 2])
         for name, layer in (("/outlines", 9), ("/bodies", 10)):
@@ -150,7 +149,7 @@ class Scene:
         drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
 
     def _connect(self, poses: FloatArray, links: list[LinkView]) -> None:
-        """What is between them."""
+        """Move edges and links."""
         drawn, sizes = self._nodes, self._sizes
         drawn["/edges"].points = layers.edges(poses, sizes.z(6))
         arrows = layers.arrows(poses, links, sizes, 7)
@@ -159,20 +158,20 @@ class Scene:
         drawn["/heads"].batched_wxyzs = geometry.turns(arrows.directions)
 
     def _recolour(self, state: State, links: list[LinkView]) -> None:
-        """What is healthy, and what is not."""
+        """Set the colours of health."""
         drawn, n = self._nodes, len(state.poses)
         drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
         drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, self._palette)
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
-        looks = (n, lost, stopped, self.focus)
-        if looks != self._looks:
-            self._looks = looks
+        key = (n, lost, stopped, self.focus)
+        if key != self._robots_key:
+            self._robots_key = key
             drawn["/bodies"].batched_colors = colours.encode(layers.body_colours(n, lost, self._palette))
             outlines = layers.outline_colours(n, lost, stopped, self.focus, self._palette)
             drawn["/outlines"].batched_colors = colours.encode(outlines)
 
     def _plan(self, snapshot: Snapshot, state: State, steps: int) -> None:
-        """What robots want, and what their neighbours believe of it."""
+        """Draw the robots' plans, and those that their neighbours hold."""
         n, z = len(state.poses), self._sizes.z
         own = layers.horizons(
             layers.own_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps, snapshot.stamp
@@ -185,64 +184,24 @@ class Scene:
     # ------------------------------------------------------------------ nodes
 
     def _build(self, scenario: Scenario) -> None:
-        """Nodes for another scenario."""
-        self._scenario = None  # until all nodes are there: else an error in between would leave half a scene for good
+        """Make the nodes of another scenario."""
+        self._scenario = None  # until all nodes exist: else an error in between would leave half a scene for good
         while self._nodes:
             self._nodes.popitem()[1].remove()
-        self._frame, self._state, self._looks = 0, None, None
+        self._frame, self._state, self._robots_key = 0, None, None
         n = scenario.size
         self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))
-        steps = scenario.controller.horizon
-        palette = self._palette
-        hue = colours.identities(n, palette)
-        marks = [geometry.digits(i, 0.017 * sizes.unit) for i in range(1, n + 1)]
-        self._strokes = np.concatenate(marks)
-        self._stroke_owner = np.repeat(np.arange(n), [len(mark) for mark in marks])
-        length, width = sizes.body
-        self._nodes = {
-            "/path": self._lines("/path", geometry.lifted(route(scenario), sizes.z(1)), colours.rgb(palette.path), 1.4),
-            "/trails": self._lines(
-                "/trails",
-                np.zeros((n * (TRAIL_POINTS - 1), 2, 3)),
-                layers.fading(hue, TRAIL_POINTS, 0.85, palette, towards_end=False),
-                2.0,
-            ),
-            "/slots": self._meshes("/slots", geometry.ring(0.025 * sizes.unit, 0.0022 * sizes.unit), n),
-            "/desired": self._lines("/desired", np.zeros((6 * n, 2, 3)), colours.rgb(palette.desired), 1.2),
-            "/beliefs": self._lines(
-                "/beliefs",
-                np.zeros((n * ((steps + 1) // 2), 2, 3)),
-                np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], (steps + 1) // 2, axis=0), 2, axis=1),
-                1.8,
-            ),
-            "/horizons": self._lines(
-                "/horizons",
-                np.zeros((n * steps, 2, 3)),
-                layers.fading(hue, steps + 1, 1.0, palette, towards_end=True),
-                2.6,
-            ),
-            "/edges": self._lines("/edges", np.zeros((n, 2, 3)), np.zeros((n, 2, 3)), 3.2),
-            "/links": self._lines(
-                "/links", np.zeros((n * layers.DASHES, 2, 3)), np.zeros((n * layers.DASHES, 2, 3)), 1.8
-            ),
-            "/heads": self._meshes("/heads", geometry.arrow_head(0.016 * sizes.unit, 0.012 * sizes.unit), n),
-            "/outlines": self._meshes("/outlines", geometry.teardrop(length, width, 0.003 * sizes.unit), n),
-            "/bodies": self._meshes("/bodies", geometry.teardrop(length, width), n),
-            "/numbers": self._lines("/numbers", np.zeros((len(self._strokes), 2, 3)), colours.rgb(palette.number), 2.0),
-        }
-        self._nodes["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
-        self._ghost = GhostLayer(self._server.scene, n, sizes, palette)
+        numbers = [geometry.digits(i, 0.017 * sizes.unit) for i in range(1, n + 1)]
+        self._strokes = np.concatenate(numbers)
+        self._stroke_owner = np.repeat(np.arange(n), [len(number) for number in numbers])
+        scene = self._server.scene
+        self._nodes = nodes.scenario_nodes(scene, scenario, sizes, self._palette, len(self._strokes))
+        self._ghost = GhostLayer(scene, n, sizes, self._palette)
         self._nodes.update(self._ghost.nodes)
         for name in self._hidden:
             self._nodes[name].visible = False
         self._nodes["/bodies"].on_click(self._clicked_robot)
         self._nodes["/heads"].on_click(self._clicked_link)
-
-    def _lines(self, name: str, points: FloatArray, colour: FloatArray, thickness: float) -> Any:
-        return nodes.lines(self._server.scene, name, points, colour, thickness)
-
-    def _meshes(self, name: str, shape: tuple[FloatArray, geometry.Faces], count: int) -> Any:
-        return nodes.meshes(self._server.scene, name, shape, count)
 
     def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:
@@ -256,15 +215,3 @@ class Scene:
 def _bytes(text: str) -> tuple[int, int, int]:
     red, green, blue = (int(text[i : i + 2], 16) for i in (0, 2, 4))
     return red, green, blue
-
-
-def route(scenario: Scenario) -> FloatArray:
-    """Dashes (M, 2, 2) along the reference path [m]."""
-    return geometry.dashed(route_line(scenario), 0.02)
-
-
-def route_line(scenario: Scenario) -> FloatArray:
-    """Points (1001, 2) of the reference path over the flight, or once around [m]."""
-    period = scenario.path.period
-    seconds = scenario.duration if period is None else period
-    return scenario.path.position(np.linspace(0.0, seconds, 1001))

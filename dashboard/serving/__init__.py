@@ -1,1 +1,1 @@
-"""Who may open the page, and the server behind it."""
+"""The web server, and who may open the page."""

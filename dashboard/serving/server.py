@@ -1,7 +1,7 @@
-"""A viser server that only those pages can use that are let in (dashboard/serving/access.py).
+"""A viser server that admits only the pages that the guard admits (dashboard/serving/access.py).
 
-viser itself listens everywhere, walks to another port if its own is taken, accepts web sockets from any web page that
-a person has open, and lets any client open a public tunnel. All four are closed here.
+viser itself listens on all hosts, takes another port if its own is taken, accepts web sockets from any web page that
+a user has open, and lets any client open a public tunnel. All four are prevented here.
 """
 
 import contextlib
@@ -9,8 +9,8 @@ import io
 import os
 import socket
 from collections.abc import Iterator
+from types import ModuleType
 from typing import Any
-from unittest import mock
 
 import viser
 import websockets.asyncio.server
@@ -39,12 +39,23 @@ def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
 
         return original(handler, sock=bound, process_request=checked, **options)
 
-    with mock.patch.object(websockets.asyncio.server, "serve", guarded), quiet():
+    with _replaced(websockets.asyncio.server, "serve", guarded), quiet():
         os.environ.pop("_VISER_PORT_OVERRIDE", None)
         server = viser.ViserServer(host=guard.host, port=taken, label=label, verbose=False)
     for kind in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(kind)
     return server
+
+
+@contextlib.contextmanager
+def _replaced(module: ModuleType, name: str, value: object) -> Iterator[None]:
+    """Replace a name of a module for a while: viser takes no function that answers requests before it."""
+    original = getattr(module, name)
+    setattr(module, name, value)
+    try:
+        yield
+    finally:
+        setattr(module, name, original)
 
 
 def _bind(host: str, port: int) -> socket.socket:
@@ -64,13 +75,13 @@ def _bind(host: str, port: int) -> socket.socket:
 
 
 def stop(server: viser.ViserServer) -> None:
-    """Close the port and end viser's threads."""
+    """Close the port and stop viser's threads."""
     with quiet():
         server.stop()
 
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """Swallow what viser prints about itself; standard output is for the address."""
+    """Discard what viser prints; standard output is for the address."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield

@@ -1,6 +1,6 @@
 """The last 45 s for trails and plots, in simulated time; cleared at the start of every episode."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from dashboard.telemetry.ghost_track import GhostTrack
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.series import Series, Trail
 from formation.arrays import FloatArray
-from network.messages import State
+from network.messages import State, Status
 
 COLUMNS = (
     "t",
@@ -36,8 +36,8 @@ class History:
         self._events = 0
         self._marks: list[float] = []
 
-    def add(self, state: State, links: list[LinkView], solves: Sequence[float] = ()) -> None:
-        """Add the newest state, with the solve times of the newest plans [s]."""
+    def add(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> None:
+        """Add the newest state, with the links' ages and the solve times in the statuses."""
         if state.episode != self.episode or len(state.poses) != self._robots:
             self._begin(state)
         self._trail.add(state.poses, state.stamp)
@@ -45,7 +45,7 @@ class History:
             if event.number > self._events and event.kind != "run" and event.stamp > 0.0:
                 self._marks.append(event.stamp)
         self._events = max([self._events, *(event.number for event in state.events)])
-        self._series.add(state.stamp, self._row(state, links, solves))
+        self._series.add(state.stamp, self._row(state, links, statuses))
 
     def _begin(self, state: State) -> None:
         self.episode, self._robots = state.episode, len(state.poses)
@@ -54,9 +54,10 @@ class History:
         self._marks = []
         self._events = max((event.number for event in state.events), default=0)
 
-    def _row(self, state: State, links: list[LinkView], solves: Sequence[float]) -> FloatArray:
+    def _row(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> FloatArray:
         """One row of COLUMNS, without its stamp."""
         ages = [link.age for link in links if link.age is not None] or [0.0]
+        solves = [status.solve for status in statuses.values() if status.episode == state.episode]
         distance = 1e3 * np.abs(state.distance_errors)
         passed = [at for at in self._marks if at <= state.stamp]
         self._marks = [at for at in self._marks if at > state.stamp]

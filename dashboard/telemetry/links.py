@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from formation.pattern import downstream
+from formation.faults import PERFECT, Fault
+from formation.links import LinkId, plan_links
 from network.messages import LinkCounts, State, Status
 from network.topics import STATUS
 
@@ -16,25 +16,28 @@ LOST_SECONDS = 0.5
 class LinkView:
     """One directed link of the ring."""
 
-    sender: int
-    receiver: int
+    id: LinkId
     age: float | None
     """Age of the newest plan that arrived [s]; None before the receiver's first status."""
-    fault: Mapping[str, Any]
-    """Keys of formation.faults.Fault that differ from a perfect link's."""
+    fault: Fault
     counts: LinkCounts
     deaf: bool = False
     """Whether the receiver has no agent."""
 
     @property
-    def name(self) -> str:
-        """The link's name in the world: "1->2"."""
-        return f"{self.sender}->{self.receiver}"
+    def sender(self) -> int:
+        """Robot at its beginning."""
+        return self.id.sender
+
+    @property
+    def receiver(self) -> int:
+        """Robot at its end."""
+        return self.id.receiver
 
     @property
     def cut(self) -> bool:
         """Whether nothing passes."""
-        return bool(self.fault.get("cut"))
+        return self.fault.cut
 
     @property
     def lost(self) -> bool:
@@ -63,19 +66,18 @@ class LinkView:
 
 def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
     """Every link of the ring, ordered by sender."""
-    robots = len(state.poses)
-    return [_link(state, statuses, sender, downstream(sender, robots)) for sender in range(1, robots + 1)]
+    return [_link(state, statuses, link) for link in plan_links(len(state.poses))]
 
 
-def _link(state: State, statuses: Mapping[int, Status], sender: int, receiver: int) -> LinkView:
-    status = statuses.get(receiver)
+def _link(state: State, statuses: Mapping[int, Status], link: LinkId) -> LinkView:
+    status = statuses.get(link.receiver)
     age, counts = None, LinkCounts()
     if status is not None and status.episode == state.episode:
         silence = state.stamp - status.stamp
         age = status.age + (silence if silence > STATUS.stale * max(1.0, state.pace) else 0.0)
         counts = status.counts
-    fault = state.faults.get(f"{sender}->{receiver}", {})
-    return LinkView(sender, receiver, age, fault, counts, deaf=receiver not in state.live)
+    fault = state.faults.get(link, PERFECT)
+    return LinkView(link, age, fault, counts, deaf=link.receiver not in state.live)
 
 
 def oldest(links: list[LinkView]) -> float:

@@ -8,27 +8,23 @@ import json
 import threading
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
-from queue import Empty
 from time import monotonic
-from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
-from formation.faults import Fault
 from formation.formation_spec import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.bus import Bus, Sample
 from network.codec import decode
 from network.messages import Ghost, State, Status
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Sample, Session
 
 WAITING_GHOSTS = 1000
 """Ghost messages that wait, at most: a ghost that catches up publishes 450 in a row."""
@@ -62,7 +58,7 @@ class Snapshot:
 class TelemetrySubscriber:
     """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Bus) -> None:
         """Subscribe; `start` then begins to receive."""
         self._session = session
         self._lock = threading.Lock()
@@ -141,12 +137,9 @@ class TelemetrySubscriber:
 
     def _listen(self) -> None:
         while not self._over:
-            try:
-                item = self._session.inbox.get(timeout=0.5)
-            except Empty:
-                continue
-            if isinstance(item, Sample):
-                self._take(item)
+            for item in self._session.arrivals(0.5):
+                if isinstance(item, Sample):
+                    self._take(item)
 
     def _take(self, sample: Sample) -> None:
         try:
@@ -172,10 +165,10 @@ class TelemetrySubscriber:
 
 
 def _checked(state: State) -> State:
-    """The state, with every fault's values as numbers, also where a peer sent "30%".
+    """The state, if its parts fit each other.
 
     Raises:
-        WireError: lengths of arrays differ, a robot does not exist, or a fault is not valid.
+        WireError: lengths of arrays differ, or a robot does not exist.
     """
     n = len(state.poses)
     if n > MAX_ROBOTS:
@@ -186,16 +179,7 @@ def _checked(state: State) -> State:
         for robot in getattr(state, name):
             if not 1 <= robot <= n:
                 raise WireError(f"{name}: expected robots from 1 to {n}; got {robot}")
-    return replace(state, faults={link: _fault(link, given) for link, given in state.faults.items()})
-
-
-def _fault(link: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    try:
-        return Fault.model_validate(given).plain()
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise WireError(f"faults: {link:.40}: {key:.40}: {first['msg']:.100}") from None
+    return state
 
 
 def _between(states: tuple[tuple[float, State], ...], now: float) -> tuple[FloatArray, float]:

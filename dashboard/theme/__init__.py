@@ -1,1 +1,1 @@
-"""How the page looks: colours, style sheet, and how numbers are written."""
+"""How the page looks: colours, style sheet, templates, and how numbers are written."""

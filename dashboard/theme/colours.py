@@ -39,13 +39,13 @@ def health(level: FloatArray, palette: Palette = DARK) -> FloatArray:
 
 
 def css(colour: FloatArray) -> str:
-    """A colour for HTML."""
+    """The colour as CSS writes it: "#rrggbb"."""
     r, g, b = (round(255 * float(c)) for c in np.clip(colour, 0.0, 1.0))
     return f"#{r:02x}{g:02x}{b:02x}"
 
 
 def mix(colour: FloatArray, share: FloatArray | float, palette: Palette) -> FloatArray:
-    """`colour` where share is 1, the background where it is 0."""
+    """`colour` where `share` is 1, the background where it is 0."""
     background = rgb(palette.background)
     return np.asarray(background + (colour - background) * share)
 
@@ -53,7 +53,7 @@ def mix(colour: FloatArray, share: FloatArray | float, palette: Palette) -> Floa
 def encode(colour: FloatArray) -> Bytes:
     """(..., 3) bytes for per-instance and per-vertex colours that look like this sRGB colour.
 
-    What is too bright for the tone curve is darkened until it fits, so that the hue stays.
+    A colour too bright for the tone curve is darkened until it fits, so that its hue is kept.
     """
     screen = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
     low, high = np.zeros(screen.shape[:-1]), np.ones(screen.shape[:-1])
@@ -81,7 +81,7 @@ _RAMPS = {palette: encode(health(np.linspace(0.0, 1.0, 256), palette)) for palet
 
 
 def encoded_health(level: FloatArray, palette: Palette) -> Bytes:
-    """(..., 3) bytes of `health`, quickly: it is wanted ten times a second."""
+    """(..., 3) bytes of `health`, from a table: it is called ten times a second."""
     return _RAMPS[palette][np.asarray(255.0 * np.clip(level, 0.0, 1.0), dtype=np.uint8)]
 
 
@@ -89,5 +89,5 @@ _CSS_HEALTH = tuple(css(colour) for colour in health(np.linspace(0.0, 1.0, 64)))
 
 
 def css_health(level: float) -> str:
-    """The dark look's `health` of a level from 0 to 1 for HTML, quickly."""
+    """CSS colour of a level from 0 to 1 in the dark theme, from a table."""
     return _CSS_HEALTH[int(63 * level)]

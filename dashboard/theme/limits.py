@@ -1,8 +1,8 @@
-"""From which values on something is shown in red."""
+"""Limits beyond which a value is shown in red, or mentioned."""
 
 DISTANCE_LIMIT = 0.02
 """Error of a pattern distance [m]."""
 TRACKING_LIMIT = 0.025
 """Distance of the formation's centre from its path [m]."""
-WAITS_SECONDS = 0.05
-"""How far a robot may be behind the clock before it is said to wait for somebody, or not to keep up [s]."""
+LAG_LIMIT = 0.05
+"""Lag of a robot behind the clock, from which on the page mentions it [s]."""

@@ -1,7 +1,7 @@
-"""The two looks of the page: dark and light. Hue says which robot, green to red says how healthy; both read in both.
+"""The two themes of the page: dark and light. Hue identifies a robot; green, amber and red are health only.
 
-The panels are HTML and take their colours from style sheet variables, so that each page shows them in its own look. The
-scene is drawn by this process, so that all pages share its look.
+The panels are HTML and take their colours from variables of the style sheet, of which the page picks the theme. The
+scene is drawn by this process, so that all pages share its theme.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours "rrggbb" of one look."""
+    """Colours "rrggbb" of one theme."""
 
     dark: bool
     identity: tuple[str, ...]
@@ -24,16 +24,16 @@ class Palette:
     background: str
     """Behind the scene; lines fade into it."""
     ghost: str
-    """Of another controller's flight."""
+    """Robots and curves of the ghost."""
     slot: str
     path: str
     desired: str
     outline: str
-    """Around a body."""
+    """Outline of a body."""
     chosen: str
-    """Around the body of the chosen robot."""
+    """Outline of the chosen robot's body."""
     number: str
-    """On a body."""
+    """Number on a body."""
     cell: str
     section: str
     """Fine and coarse lines of the ground."""
@@ -41,7 +41,7 @@ class Palette:
     def named(self) -> dict[str, str]:
         """The colours that HTML and plots use, by the name of their style sheet variable: ok, r1, ..."""
         hues = {f"r{i}": hue for i, hue in enumerate(self.identity, start=1)}
-        names = ("ok", "warn", "bad", "muted", "crowd", "ghost")
+        names = ("ok", "warn", "bad", "muted", "crowd", "ghost", "background")
         return {**{name: getattr(self, name) for name in names}, **hues}
 
 

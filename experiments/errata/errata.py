@@ -6,8 +6,8 @@ from typing import Any
 
 from experiments.errata.entry import Entry
 from experiments.errata.errata_list import ENTRIES
-from experiments.trials.overrides import Overrides, merged
 from experiments.trials.trial import Measurement, Trial, trial
+from formation.scenario.overrides import Overrides, merged
 
 MEASURE = "distance_rms_m"
 """Of the worst robot."""

@@ -14,7 +14,8 @@ from experiments.errata.evidence import Case, Numbers
 from experiments.errata.ring_map import Ring, Wording
 from formation.arrays import FloatArray
 from formation.metrics import error_state, wrapped
-from formation.paths.kinds import Circle, Corner, Figure8, Spiral, heading
+from formation.paths.kinds import Circle, Corner, Figure8, Spiral
+from formation.paths.path import heading
 from formation.pattern import pattern, rotate
 from formation.scenario.files import load
 from formation.shapes import line, polygon
@@ -174,7 +175,7 @@ def leaving_the_place() -> Numbers:
     """Erratum 13: speed at which a follower leaves its place, where it stands exactly, on Ref. path 2 [m/s]."""
     speeds = []
     for errata in ((), (13,)):
-        scenario = load("circle", ["controller.name=leader_follower", f"controller.errata={list(errata)}"])
+        scenario = load("circle", {"controller": {"name": "leader_follower", "errata": errata}})
         pair = Pair(scenario, 2)
         place, omega_l = np.subtract(*pair.offsets(0)), 0.05
         v_l = omega_l * (0.8 + place[1] / 2.0)  # robot 1 drives outside
@@ -198,13 +199,13 @@ def orientation_turned_and_kept() -> Numbers:
 
 def inputs_applied() -> Numbers:
     """Erratum 23: inputs of a plan, and how many of them a tick-by-tick planner applies."""
-    scenario = load("circle", ["controller.name=paper"])
+    scenario = load("circle", {"controller": {"name": "paper"}})
     return float(scenario.controller.horizon), float(-(-scenario.controller.plan_every // scenario.stride))
 
 
 def horizons() -> Numbers:
     """Erratum 24: N delta_t and N Delta_T [s]."""
-    scenario = load("circle", ["controller.name=paper"])
+    scenario = load("circle", {"controller": {"name": "paper"}})
     return tuple(
         scenario.controller.horizon * step
         for step in (scenario.control_interval, scenario.controller.prediction_interval)

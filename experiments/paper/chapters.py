@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from experiments.report.report import Section
-from experiments.trials.overrides import Overrides, merged
 from experiments.trials.result import Signals
 from experiments.trials.trial import Measurement, Trial, trial
+from formation.scenario.overrides import Overrides, merged
 from formation.scenario.registry import NAMES
 
 ALL_CONTROLLERS = ("leader_follower", "virtual_structure", "consensus", "paper", "nash", "centralised")

@@ -73,7 +73,7 @@ def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Sectio
 
 
 def millimetre_cost() -> float:
-    """J_i of a distance error of 1 mm at each of the N + 1 steps, and nothing else."""
+    """J_i of a distance error of 1 mm at each of the N + 1 steps, and nothing else (docs/theory.md, section 5)."""
     from agents.controllers.nash import weights  # noqa: PLC0415  loads the kernels: only a report of `nash` needs them
 
     task = files.load("figure8")

@@ -1,4 +1,4 @@
-"""What late and lost plans cost where predictions are not perfect."""
+"""What late and lost plans cost where predictions are not perfect (docs/theory.md, section 10)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,16 +11,16 @@ from experiments.report.figures import bands
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.style import BLUE, VERMILION
 from experiments.report.table import Cell, Table
-from experiments.trials.overrides import Overrides
 from experiments.trials.result import Signals
 from experiments.trials.trial import Trial
 from formation.arrays import FloatArray
 from formation.metrics import rms
+from formation.scenario.overrides import Overrides
 
 NOISE: Overrides = {"noise": {"slip": 0.2, "gyro": 0.2, "position": 0.001, "heading": 0.01}}
 """Per tick v and omega times 1 + 0.2 n, omega plus 0.2 n rad/s; poses measured to 1 mm and 0.01 rad."""
 NASH: Overrides = {"duration": 40, "controller": {"name": "nash", "plan_every": 5}}
-"""A new plan every 0.05 s."""
+"""A new plan every 0.05 s (docs/theory.md, section 10)."""
 
 
 @dataclass(frozen=True, slots=True)

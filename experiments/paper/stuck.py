@@ -1,4 +1,4 @@
-"""A robot that stands still for four seconds: how the formation fares with each controller."""
+"""A robot that stands still for four seconds: how the formation fares (docs/theory.md, section 6)."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,9 +12,9 @@ from experiments.report.figures import EVERY, FLOOR, Curve, over_time
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.style import GREY, SKY, colour
 from experiments.report.table import Cell, Table
-from experiments.trials.overrides import Overrides, merged
 from experiments.trials.result import Signals
 from experiments.trials.trial import Trial
+from formation.scenario.overrides import Overrides, merged
 
 AT, UNTIL = 20.0, 24.0
 """When the robot stands still [s]."""

@@ -9,11 +9,11 @@ from experiments.paper.noisy import NASH, NOISE
 from experiments.report.figures import trajectories
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.table import Cell, Table, shown
-from experiments.trials.overrides import Overrides
 from experiments.trials.result import Signals
 from experiments.trials.trial import Trial
 from formation.metrics import clearance, rms
 from formation.scenario import files
+from formation.scenario.overrides import Overrides
 
 CASES: dict[str, tuple[str, list[Overrides]]] = {
     "triangle, line, triangle": (

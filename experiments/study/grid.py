@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from experiments.study.study import Study, Value
-from experiments.trials.overrides import Overrides, merged
 from experiments.trials.trial import Measurement, Trial, trial
 from formation.errors import ScenarioError, StudyError
+from formation.scenario.overrides import Overrides, merged
 
 
 def points(study: Study) -> Iterator[tuple[dict[str, Value], str, Overrides]]:

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, FiniteFloat, StrictBool, StrictInt, ValidationError, model_validator
 
 from experiments.trials.measures import MEASURES, Event
-from experiments.trials.overrides import Overrides, at_path, merged, paths
 from formation.errors import StudyError, unknown
+from formation.scenario.overrides import Overrides, at_path, merged, paths
 from formation.schema import Duration, Model
 from formation.validation import problems
 

@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from experiments.metrics import recovery, trailing_rms
 from formation.arrays import FloatArray
+from formation.links import LinkId
 from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
@@ -68,7 +69,7 @@ class Record:
 
 
 def record(
-    scenario: Scenario, trace: Trace, counts: Mapping[str, LinkCounts], warmup: float, event: Event | None
+    scenario: Scenario, trace: Trace, counts: Mapping[LinkId, LinkCounts], warmup: float, event: Event | None
 ) -> Record:
     """The part of a trial that is measured.
 

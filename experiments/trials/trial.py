@@ -8,8 +8,8 @@ from typing import Any
 
 from experiments.trials.code_version import check_code_version, code_version
 from experiments.trials.measures import Event
-from experiments.trials.overrides import Overrides, merged
 from formation.scenario import files
+from formation.scenario.overrides import Overrides, merged
 from formation.scenario.scenario import Scenario
 
 Label = bool | int | float | str
@@ -45,10 +45,9 @@ class Trial:
     name: str
     """What reports and errors call it."""
     scenario: Mapping[str, Any]
-    """The scenario's table, as its file has it."""
-    overrides: Overrides
-    """What differs from it, as nested data."""
+    """The keys that the scenario's file and the overrides set, as nested data; the seed is apart."""
     seed: int
+    """Of noise and faults."""
     measurement: Measurement
     cost: int
     """Control intervals times robots: how long it takes, by and large."""
@@ -61,17 +60,13 @@ class Trial:
     def key(self) -> str:
         """Names the result: the same scenario, measured the same way by the same code."""
         event = self.measurement.event
-        told = [
-            merged(self.scenario, self.overrides),
-            self.seed,
-            {**asdict(self.measurement), "event": event and event.model_dump()},
-            self.code,
-        ]
-        return hashlib.sha256(json.dumps(told, sort_keys=True, default=str).encode()).hexdigest()
+        measurement = {**asdict(self.measurement), "event": event and event.model_dump()}
+        told = [self.scenario, self.seed, measurement, self.code]
+        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
     def load(self) -> Scenario:
         """The scenario that is simulated. Raises ScenarioError."""
-        return files.parse(merged(self.scenario, self.overrides, {"seed": self.seed}), where=self.name)
+        return files.parse(self.scenario, {"seed": self.seed}, where=self.name)
 
     def run(self) -> dict[str, Any]:
         """Simulate and measure, in this process; the result as plain data (experiments/trials/result.py).
@@ -88,12 +83,12 @@ class Trial:
 def trial(
     name: str, scenario: str, overrides: Overrides, seed: int, measurement: Measurement, *, limit: float | None = None
 ) -> Trial:
-    """A trial of a scenario by its name or TOML file.
+    """A trial of a scenario by its name or file.
 
     Args:
         name: what reports and errors call it.
         scenario: which scenario.
-        overrides: what differs from it.
+        overrides: what differs from it, as nested data.
         seed: of noise and faults.
         measurement: what is kept.
         limit: where a longer scenario is cut [s].
@@ -101,9 +96,9 @@ def trial(
     Raises:
         ScenarioError: the scenario does not exist or is wrong; one line per mistake.
     """
-    table = files.read(scenario)
-    loaded = files.parse(merged(table, overrides), where=scenario)
+    loaded = files.load(scenario, overrides)
     if limit is not None and limit < loaded.duration:
-        overrides = merged(overrides, {"duration": limit})
-        loaded = files.parse(merged(table, overrides), where=scenario)
-    return Trial(name, table, overrides, seed, measurement, loaded.ticks * loaded.size)
+        loaded = files.load(scenario, merged(overrides, {"duration": limit}))
+    # A fault tells which keys it changes by setting them: what is not set stays out.
+    table = loaded.model_dump(mode="json", exclude_unset=True)
+    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size)

@@ -4,33 +4,15 @@ A path is a frozen model, read from the scenario's [path] table by its `kind`, w
 """
 
 import math
-from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, FiniteFloat
 
 from formation.arrays import FloatArray
-from formation.paths.spline import Spline, Travel
-from formation.schema import Model, Positive
-
-
-class Path(Model):
-    """What every path has."""
-
-    @property
-    def period(self) -> float | None:
-        """Time after which the path repeats [s]; None for an open path."""
-        return None
-
-    @property
-    def corners(self) -> tuple[tuple[float, float], ...]:
-        """Where its heading jumps: times [s] and turns [rad], counter-clockwise positive."""
-        return ()
-
-    def position(self, t: FloatArray) -> FloatArray:
-        """Positions at times t [s], of shape t.shape + (2,) [m]. Defined for negative t too."""
-        raise NotImplementedError
+from formation.paths.path import Path
+from formation.paths.waypoints import Waypoints
+from formation.schema import Positive
 
 
 class Figure8(Path):
@@ -128,45 +110,4 @@ class Line(Path):
         return self.speed * np.stack([t * math.cos(self.heading), t * math.sin(self.heading)], axis=-1)
 
 
-class Waypoints(Path):
-    """A smooth curve (C2 spline) through points, travelled at constant speed; straight on past an open end."""
-
-    kind: Literal["waypoints"]
-    points: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=1000)]
-    """[m]."""
-    speed: Positive = 0.1
-    """[m/s]."""
-    closed: bool = False
-    """Whether the curve returns to the first point."""
-
-    @model_validator(mode="after")
-    def _distinct(self) -> "Waypoints":
-        gaps = np.diff(np.array([*self.points, *self.points[:1]][: None if self.closed else -1]), axis=0)
-        if not np.all(np.hypot(gaps[:, 0], gaps[:, 1]) > 0.0):
-            raise ValueError("expected points that differ from their neighbours")
-        if self.closed and len(self.points) < 3:
-            raise ValueError("expected at least 3 points for a closed curve")
-        return self
-
-    @cached_property
-    def _curve(self) -> Travel:
-        return Spline.through(np.array(self.points), closed=self.closed).by_arc_length()
-
-    @property
-    def period(self) -> float | None:
-        return self._curve.length / self.speed if self.closed else None
-
-    def position(self, t: FloatArray) -> FloatArray:
-        return self._curve(self.speed * t)
-
-
 AnyPath = Annotated[Figure8 | Circle | Sinusoid | Spiral | Corner | Line | Waypoints, Field(discriminator="kind")]
-
-
-def heading(path: Path, t: FloatArray, interval: float) -> FloatArray:
-    """Heading of the path as the paper samples it (below eq. 2): the direction of the last interval.
-
-    theta_r(t) = atan2(p_r(t) - p_r(t - interval)) [rad], of the shape of t.
-    """
-    step = path.position(t) - path.position(t - interval)
-    return np.arctan2(step[..., 1], step[..., 0])

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.paths.banded import cyclic_tridiagonal, tridiagonal
 
 PIECES = 64
-"""Pieces per segment between two waypoints, on which arc length is integrated and inverted."""
+"""Pieces per segment between two waypoints, on which arc length is integrated and inverted; fewer if there are many."""
+ALL_PIECES = 65536
+"""Pieces of a curve through many points; its segments are short, and a quarter of them is straight enough."""
+LEAST_PIECES = 4
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
 LEAST_SPEED = 1e-9
 """Where a curve stands still (a cusp), so that its inverse stays finite."""
@@ -29,6 +33,11 @@ class Spline:
     def length(self) -> float:
         """The last parameter value."""
         return float(self.knots[-1])
+
+    @property
+    def pieces(self) -> int:
+        """Pieces per segment on which arc length is integrated."""
+        return min(max(ALL_PIECES // (len(self.knots) - 1), LEAST_PIECES), PIECES)
 
     @classmethod
     def through(cls, points: FloatArray, *, closed: bool) -> "Spline":
@@ -55,10 +64,9 @@ class Spline:
 
     def by_arc_length(self) -> "Travel":
         """The same curve with arc length as its parameter."""
-        fine = np.concatenate(
-            [np.linspace(a, b, PIECES, endpoint=False) for a, b in zip(self.knots, self.knots[1:], strict=False)]
-            + [self.knots[-1:]]
-        )
+        pieces = self.pieces
+        fine = np.linspace(self.knots[:-1], self.knots[1:], pieces, endpoint=False, axis=1)
+        fine = np.concatenate([fine.ravel(), self.knots[-1:]])
         half = np.diff(fine) / 2.0
         nodes = (fine[:-1] + half)[:, None] + half[:, None] * GAUSS_NODES
         lengths = np.concatenate([[0.0], np.cumsum((self.speed(nodes) * GAUSS_WEIGHTS).sum(axis=1) * half)])
@@ -82,6 +90,11 @@ class Travel:
         """The whole way [m]."""
         return float(self.lengths[-1])
 
+    @property
+    def at_knots(self) -> FloatArray:
+        """(M,) arc lengths at the curve's knots [m]."""
+        return self.lengths[:: self.curve.pieces]
+
     def __call__(self, s: FloatArray) -> FloatArray:
         """Points at arc lengths s [m], of shape s.shape + (2,) [m]; straight on past an open end."""
         inside = np.mod(s, self.length) if self.curve.closed else np.clip(s, 0.0, self.length)
@@ -103,18 +116,15 @@ def _hermite(x: FloatArray, knots: FloatArray, values: FloatArray, slopes: Float
 
 def _slopes(gaps: FloatArray, points: FloatArray, closed: bool) -> FloatArray:
     """Derivatives (M, 2) at the knots that make the second derivative continuous."""
-    m = len(points)
     chords = np.diff(points, axis=0) / gaps[:, None]
-    matrix, right = np.zeros((m, m)), np.zeros((m, 2))
-    for i in range(1, m - 1):
-        matrix[i, i - 1 : i + 2] = gaps[i], 2 * (gaps[i - 1] + gaps[i]), gaps[i - 1]
-        right[i] = 3 * (gaps[i] * chords[i - 1] + gaps[i - 1] * chords[i])
-    if closed:  # row 0: smooth across the seam; last row: the seam is one point
-        matrix[0, 0] = 2 * (gaps[-1] + gaps[0])
-        matrix[0, 1], matrix[0, m - 2] = gaps[-1], gaps[0]
-        right[0] = 3 * (gaps[0] * chords[-1] + gaps[-1] * chords[0])
-        matrix[-1, 0], matrix[-1, -1] = 1.0, -1.0
-    else:  # natural ends: no curvature
-        matrix[0, :2], right[0] = (2.0, 1.0), 3 * chords[0]
-        matrix[-1, -2:], right[-1] = (1.0, 2.0), 3 * chords[-1]
-    return np.asarray(np.linalg.solve(matrix, right))
+    if closed:
+        before, around = np.roll(gaps, 1), np.roll(chords, 1, axis=0)
+        right = 3.0 * (gaps[:, None] * around + before[:, None] * chords)
+        found = cyclic_tridiagonal(gaps, 2.0 * (before + gaps), before, right)
+        return np.vstack([found, found[:1]])
+    ends = np.ones(1)
+    inner = 3.0 * (gaps[1:, None] * chords[:-1] + gaps[:-1, None] * chords[1:])
+    # Natural ends: no curvature.
+    lower, upper = np.concatenate([ends, gaps[1:], ends]), np.concatenate([ends, gaps[:-1], ends])
+    diagonal = np.concatenate([2.0 * ends, 2.0 * (gaps[:-1] + gaps[1:]), 2.0 * ends])
+    return tridiagonal(lower, diagonal, upper, np.vstack([3.0 * chords[:1], inner, 3.0 * chords[-1:]]))

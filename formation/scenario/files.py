@@ -1,15 +1,18 @@
-"""Scenarios from files: by name or path, with settings applied, every mistake in a line of its own."""
+"""Scenarios from files: by name or path, with overrides, every mistake in a line of its own."""
 
-import copy
+import json
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path as File
 from typing import Any
 
 from pydantic import ValidationError
 
 from formation.errors import ScenarioError, unknown
+from formation.paths.files import text_of, with_files
+from formation.scenario.overrides import Overrides, from_settings, merged
 from formation.scenario.scenario import Scenario
+from formation.schema import MAX_SCENARIO
 from formation.validation import problems
 
 SHIPPED = File(__file__).parents[2] / "scenarios"
@@ -20,60 +23,73 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load(name: str, settings: Iterable[str] = ()) -> Scenario:
-    """A scenario by its name or its TOML file, with `key=value` settings applied.
+def load(name: str, overrides: Overrides | Iterable[str] = ()) -> Scenario:
+    """A scenario by its name or its TOML file, with overrides such as {"link": {"latency": 0.3}}.
 
     Raises:
         ScenarioError: it does not exist or is wrong; one line per mistake.
     """
-    return parse(read(name), settings, where=name)
+    file = File(name)
+    beside = is_file(name) and (file.is_file() or file.suffix.lower() == ".toml")  # nothing lies beside a pipe
+    return parse(read(name), overrides, where=name, folder=file.parent if beside else File())
 
 
 def read(name: str) -> dict[str, Any]:
-    """The raw table of a scenario by its name or its TOML file.
+    """The raw table of a scenario by its name or its file: TOML, or JSON as a launcher hands it on.
 
     Raises:
-        ScenarioError: there is no such scenario, or it is not TOML.
+        ScenarioError: there is no such scenario, or it cannot be read.
     """
-    file = File(name) if name.endswith(".toml") or "/" in name else SHIPPED / f"{name}.toml"
-    try:
+    if not is_file(name):
+        file = SHIPPED / f"{name}.toml"
+        if not file.is_file():
+            raise ScenarioError(unknown("scenario", name, [*shipped(), "FILE.toml"]))
         return tomllib.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ScenarioError(unknown("scenario", name, [*shipped(), "FILE.toml"])) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{name}: cannot be read: {error}") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ScenarioError(f"{name}: expected TOML; {error}") from None
+    text = text_of(File(name), name, MAX_SCENARIO)
+    try:
+        if name.endswith(".json"):
+            return dict(json.loads(text))
+        return tomllib.loads(text)
+    except (TypeError, ValueError, RecursionError) as error:  # what TOML and JSON raise are ValueErrors
+        raise ScenarioError(f"{name}: expected {'JSON' if name.endswith('.json') else 'TOML'}; {error}") from None
 
 
-def parse(raw: dict[str, Any], settings: Iterable[str] = (), *, where: str = "scenario") -> Scenario:
-    """A scenario from its raw table.
+def is_file(name: str) -> bool:
+    """Whether a scenario is meant by its file, a pipe as well, and not by its name."""
+    return name.lower().endswith((".toml", ".json")) or "/" in name
+
+
+def parse(
+    raw: Overrides,
+    overrides: Overrides | Iterable[str] = (),
+    *,
+    where: str = "scenario",
+    folder: File | None = None,
+) -> Scenario:
+    """A scenario from its raw table, with overrides: nested, or settings such as link.latency=0.3.
+
+    Args:
+        raw: the table.
+        overrides: of it.
+        where: what errors begin with.
+        folder: in which files that it names are sought; without it no file is read.
 
     Raises:
         ScenarioError: one line per mistake.
     """
-    raw = copy.deepcopy(raw)
-    for setting in settings:
-        _apply(raw, setting)
+    if not isinstance(overrides, Mapping):
+        overrides = from_settings(overrides)
+    table = merged(raw, overrides)
+    if folder is not None:
+        table = with_files(table, folder, where)
     try:
-        return Scenario.model_validate(raw)
+        scenario = Scenario.model_validate(table)
     except ValidationError as error:
         lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
         raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None
-
-
-def _apply(raw: dict[str, Any], setting: str) -> None:
-    key, equals, text = setting.partition("=")
-    if not equals or not key.strip():
-        raise ScenarioError(f"--set: expected key=value; got {setting!r}")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
-        value = text.strip()
-    *parents, last = key.strip().split(".")
-    table = raw
-    for parent in parents:
-        table = table.setdefault(parent, {})
-        if not isinstance(table, dict):
-            raise ScenarioError(f"--set {key.strip()}: expected the path of a key; {parent} is not a table")
-    table[last] = value
+    size = len(scenario.model_dump_json(exclude_unset=True))
+    if size > MAX_SCENARIO:
+        raise ScenarioError(
+            f"{where}: expected at most {MAX_SCENARIO >> 20} MiB, points included; got {size / (1 << 20):.1f}"
+        )
+    return scenario

@@ -10,8 +10,9 @@ from pydantic import Field, FiniteFloat, model_validator
 from formation.arrays import FloatArray, frozen
 from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError
-from formation.faults import Fault, ScheduledFault, links_named
+from formation.faults import Fault, ScheduledFault
 from formation.formation_spec import Formation
+from formation.links import links_named
 from formation.offsets import Offsets
 from formation.orientation import orientation_of
 from formation.paths.kinds import AnyPath

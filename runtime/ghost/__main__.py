@@ -6,7 +6,7 @@ import sys
 
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.ghost.process import GhostNode
 
 
@@ -18,7 +18,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s ghost: %(message)s", stream=sys.stderr)
     try:
-        with Session(options.connect, options.run) as session:
+        with ZenohBus(options.connect, options.run) as session:
             GhostNode(session, Lifetime()).run()
     except EchelonError as error:
         print(f"ghost: {error}", file=sys.stderr)

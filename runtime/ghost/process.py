@@ -16,7 +16,7 @@ from network.control import FaultTables, GetFaults
 from network.lifetime import Lifetime
 from network.messages import State
 from network.throttled_log import ThrottledLog
-from network.zenoh_bus import Session
+from network.zenoh_bus import ZenohBus
 from runtime.ghost.shadow import Shadow
 
 IDLE_SECONDS = 0.25
@@ -34,7 +34,7 @@ SHOWN_SECONDS, SHOWN_INTERVAL = 45.0, 0.1
 class GhostNode:
     """Simulates a ghost beside a run while a comparison is requested."""
 
-    def __init__(self, session: Session, lifetime: Lifetime) -> None:
+    def __init__(self, session: ZenohBus, lifetime: Lifetime) -> None:
         self._session, self._lifetime = session, lifetime
         self._rejects = ThrottledLog()
         self._shadow: Shadow | None = None

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 
 from formation.faults import Fault
+from formation.links import LinkId
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Ghost
 from runtime.inprocess import Simulation
@@ -31,7 +32,7 @@ class Shadow:
         """Number of fault tables that are known."""
         self._simulation = Simulation(scenario if same else with_controller(scenario, controller), endless=True)
         self._interval = scenario.control_interval
-        self._tables: deque[tuple[float, Mapping[str, Fault]]] = deque()
+        self._tables: deque[tuple[float, Mapping[LinkId, Fault]]] = deque()
 
     @property
     def k(self) -> int:
@@ -48,7 +49,7 @@ class Shadow:
         """Whether the scenario's duration is over, where the path is not closed."""
         return self._simulation.finished
 
-    def learn(self, tables: Iterable[tuple[float, Mapping[str, Fault]]]) -> None:
+    def learn(self, tables: Iterable[tuple[float, Mapping[LinkId, Fault]]]) -> None:
         """Add the next fault tables of the live episode, each with the time from which on it holds [s]."""
         for entry in tables:
             self._tables.append(entry)

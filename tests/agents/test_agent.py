@@ -14,11 +14,13 @@ from hypothesis import strategies as st
 from agents.agent import Agent, Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
+from formation.links import LinkId
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
 from network.messages import Command, Plan, Status
+from tests import builders
 from world.world import WATCHDOG, World
 
 TICK = 0.01
@@ -29,8 +31,8 @@ def agent(robot: int = 1, *settings_: str, name: str = "circle", episode: int = 
 
 
 def plan(k: int, sender: int = 2, episode: int = 0, **changes: Any) -> Plan:
-    values = {"pose": np.array([0.75, 0.0, math.pi / 2]), "interval": 0.1, "inputs": np.tile([0.04, 0.05], (20, 1))}
-    return Plan(sender=sender, seq=k, stamp=k * TICK, episode=episode, **{**values, **changes})
+    values = {"pose": np.array([0.75, 0.0, math.pi / 2]), "inputs": np.tile([0.04, 0.05], (20, 1))}
+    return builders.plan(sender, k, episode, **{**values, **changes})
 
 
 def start(scenario: Scenario, robot: int) -> FloatArray:
@@ -99,7 +101,7 @@ def test_a_plan_that_was_there_before_is_ignored() -> None:
 
 def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None:
     mind = agent()
-    mind.set_faults({"2->1": Fault(latency=0.5)})
+    mind.set_faults({LinkId(2, 1): Fault(latency=0.5)})
     mind.receive(plan(0))
     mind.set_faults({})
     mind.receive(plan(10))
@@ -114,7 +116,7 @@ def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None
 
 def test_a_damaged_plan_is_counted_and_not_used() -> None:
     mind, alone = agent(), agent()
-    mind.set_faults({"2->1": Fault(corrupt=1.0)})
+    mind.set_faults({LinkId(2, 1): Fault(corrupt=1.0)})
     for k in range(5):
         mind.receive(plan(k))
         alone_answer, answer = alone.step(k, k * TICK, POSE), mind.step(k, k * TICK, POSE)
@@ -126,7 +128,7 @@ def test_a_damaged_plan_is_counted_and_not_used() -> None:
 
 def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
     mind, alone = agent(), agent()
-    mind.set_faults({"2->1": Fault(latency=0.05)})
+    mind.set_faults({LinkId(2, 1): Fault(latency=0.05)})
     mind.receive(plan(0))
     for k in range(5):
         assert mind.step(k, k * TICK, POSE).command.v == alone.step(k, k * TICK, POSE).command.v
@@ -206,7 +208,7 @@ def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
     mind.receive(plan(0))
     mind.step(3, 0.03, POSE)
     said = mind.status(3, 0.03, missed=4, rejected=5, pid=6)
-    assert (said.sender, said.link) == (1, "2->1")
+    assert (said.sender, said.link) == (1, LinkId(2, 1))
     assert said.held is not None
     assert (said.held.sender, said.held.seq) == (2, 0)
     assert said.plan is not None
@@ -235,7 +237,7 @@ def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:
 
 def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan() -> None:
     mind = agent()
-    mind.set_faults({"world->1": Fault(cut=True)})
+    mind.set_faults({LinkId(0, 1): Fault(cut=True)})
     mind.receive(plan(0))
     for answer in answers(mind, POSE, range(1, 50)):
         assert (answer.command.v, answer.command.omega) == (0.0, 0.0)
@@ -247,7 +249,7 @@ def test_with_late_poses_it_dead_reckons_along_its_own_commands() -> None:
     mind = agent()
     pose = tuple(POSE)
     truth = [pose]
-    mind.set_faults({"world->1": Fault(latency=0.2)})
+    mind.set_faults({LinkId(0, 1): Fault(latency=0.2)})
     for k in range(100):
         answer = mind.step(k, k * TICK, np.array(pose))
         if k < 20:
@@ -265,7 +267,7 @@ def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone() -> None:
     mind, pose = agent(), tuple(POSE)
     for k in range(60):
         if k == 10:
-            mind.set_faults({"world->1": Fault(cut=True)})
+            mind.set_faults({LinkId(0, 1): Fault(cut=True)})
         measured = np.array(pose) if k < 10 else np.array([99.0, 99.0, 0.0])  # what it is not told does not matter
         answer = mind.step(k, k * TICK, measured)
         assert answer.plan is not None
@@ -275,7 +277,7 @@ def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone() -> None:
 
 def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
     mind = agent()
-    mind.set_faults({"world->1": Fault(cut=True)})
+    mind.set_faults({LinkId(0, 1): Fault(cut=True)})
     answers(mind, POSE, range(5))
     mind.set_faults({})
     answer = mind.step(5, 0.05, POSE)
@@ -285,7 +287,7 @@ def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
 
 def test_a_damaged_pose_is_not_believed() -> None:
     mind = agent()
-    mind.set_faults({"world->1": Fault(corrupt=1.0)})
+    mind.set_faults({LinkId(0, 1): Fault(corrupt=1.0)})
     assert mind.step(0, 0.0, POSE).plan is None
 
 

@@ -1,16 +1,15 @@
-"""A browser, if there is one; on CI there must be."""
+"""A browser: without one these tests are skipped, on CI they fail."""
 
-import os
-import shutil
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.exceptions import chromium, needs
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-CHROMIUM = "/usr/bin/chromium"
 FLAGS = (
     "--headless=new",
     "--no-sandbox",
@@ -24,25 +23,15 @@ FLAGS = (
     "--disable-quic",
     "--no-first-run",
 )
-"""design/VISER.md, section 3: without a graphics card every other choice stalls the page."""
+"""docs/design.md, section 10: without a graphics card, other choices stall the page."""
 
 
 @pytest.fixture(scope="session")
 def browser() -> "Iterator[Browser]":
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        _missing("the Python package playwright")
-    path = shutil.which("chromium") or CHROMIUM
-    if not os.path.exists(path):
-        _missing("chromium (apt-get install chromium)")
+    needs("playwright", "chromium")
+    from playwright.sync_api import sync_playwright
+
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        started = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         yield started
         started.close()
-
-
-def _missing(what: str) -> None:
-    if os.environ.get("CI"):
-        pytest.fail(f"browser tests need {what}")
-    pytest.skip(f"browser tests need {what}")

@@ -1,4 +1,4 @@
-"""The dashboard's page as a test drives it. Names are what a person reads; the rest are viser's own test hooks."""
+"""The dashboard's page as a test drives it: by the texts that a user reads, and by viser's own test hooks."""
 
 import re
 import time
@@ -47,7 +47,7 @@ class Driven:
     def __init__(
         self, browser: "Browser", url: str, *, token: str | None = None, width: int = 1120, height: int = 640
     ) -> None:
-        """Open it in a window of this size, with a token if it wants one."""
+        """Open it in a window of this size, with a token if it requires one."""
         self.url, self._token = url, token
         self.errors: list[str] = []
         self.requests: list[str] = []
@@ -76,18 +76,18 @@ class Driven:
         return frames(self.page)
 
     def text(self) -> str:
-        """All that can be read."""
+        """All text on the page."""
         return self.page.locator("body").inner_text()
 
     def wait_text(self, pattern: str, seconds: float = 20.0) -> None:
-        """Wait until this can be read."""
+        """Wait for a text."""
         self.until(lambda: re.search(pattern, self.text()) is not None, f"text {pattern!r}", seconds)
 
     def until(self, holds: Callable[[], bool], what: str, seconds: float = 20.0) -> None:
         """Wait until it holds."""
         end = time.monotonic() + seconds
         while not holds():
-            assert time.monotonic() < end, f"no {what} within {seconds:g} s; the page says: {self.text()[:1500]}"
+            assert time.monotonic() < end, f"no {what} within {seconds:g} s; the page reads: {self.text()[:1500]}"
             self.page.wait_for_timeout(60)
 
     def press(self, name: str) -> None:
@@ -95,9 +95,9 @@ class Driven:
         _click(self.page.get_by_role("button", name=name, exact=True))
         self.page.wait_for_timeout(THROTTLE_MS)
 
-    def tap(self, name: str) -> None:
-        """Press a cell of a table, such as "link 2" or "kill 1"."""
-        cell = self.page.locator(f'[data-tap][aria-label="{name}"]')
+    def click_cell(self, name: str) -> None:
+        """Click a cell of a table, such as "link 2" or "kill 1"."""
+        cell = self.page.locator(f'[data-click][aria-label="{name}"]')
         cell.wait_for(state="attached", timeout=20_000)
         cell.dispatch_event("pointerdown")
         self.page.wait_for_timeout(THROTTLE_MS)
@@ -107,7 +107,7 @@ class Driven:
         self.page.get_by_role("tab", name=tab, exact=True).click(force=True)
 
     def take(self, name: str, into: Path) -> Path:
-        """Press a button that gives a file, and keep it."""
+        """Click a button that sends a file, and save it."""
         with self.page.expect_download(timeout=60_000) as download:
             self.press(name)
         path = into / download.value.suggested_filename
@@ -115,13 +115,13 @@ class Driven:
         return path
 
     @property
-    def look(self) -> str:
-        """What the page is dressed in: "dark" or "light"."""
+    def theme(self) -> str:
+        """Theme of the panels: "dark" or "light"."""
         return str(self.page.locator("html").get_attribute("data-mantine-color-scheme"))
 
     @property
     def plots_are_whole(self) -> bool:
-        """Whether every plot shows all the time that it has, with more than one moment in it."""
+        """Whether every plot shows all of its time axis, with several points in it."""
         return bool(
             self.page.evaluate(
                 """() => Object.values(window.__viserTestpoints.uplots).every(({chart}) => {
@@ -133,7 +133,7 @@ class Driven:
 
     @property
     def lost(self) -> bool:
-        """Whether the page says that its server is gone."""
+        """Whether the page shows that its server is gone."""
         return "waits" in self.page.evaluate("getComputedStyle(document.body, '::after').content")
 
     def _id(self, label: str) -> str:
@@ -148,7 +148,7 @@ class Driven:
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def chosen(self, label: str) -> str:
-        """What a dropdown says."""
+        """Value of a dropdown."""
         return self.page.locator(self._id(label)).input_value()
 
     def tick(self, label: str, on: bool) -> None:
@@ -173,7 +173,7 @@ class Driven:
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def number(self, label: str) -> str:
-        """What a slider's number box says."""
+        """Text in a slider's number box."""
         return str(self._number_box(label).input_value())
 
     def prop(self, node: str, name: str) -> FloatArray:
@@ -194,12 +194,12 @@ class Driven:
 
     def age(self, sender: int, receiver: int) -> float | None:
         """Age in a cell of the link matrix [s]; None if it has none."""
-        cell = self.page.locator("table").first.locator("tr").nth(sender).locator("td").nth(receiver).inner_text()
+        cell = self.page.locator("table").first.locator("tr").nth(sender).locator("td, th").nth(receiver).inner_text()
         found = re.search(r"([\d.]+) (ms|s)", cell)
         return None if found is None else float(found[1]) * (1e-3 if found[2] == "ms" else 1.0)
 
 
 def _click(found: "Locator") -> None:
-    """Click without waiting for two still frames, which take seconds where the processor draws them."""
+    """Click without waiting for two equal frames, which take seconds when the processor draws them."""
     found.wait_for(state="attached", timeout=20_000)
     found.evaluate("element => element.click()")

@@ -14,12 +14,13 @@ from urllib.parse import urlsplit
 import pytest
 
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.messages import State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
+from tests.browser.browser_run import ROOT
 from tests.browser.driven import Driven
-from tests.browser.live_page import ROOT
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -54,8 +55,8 @@ class Launched:
         return found[1]
 
     def state(self) -> State:
-        """What the world says now."""
-        with Session(self.endpoint, RUN) as session:
+        """The newest state."""
+        with ZenohBus(self.endpoint, RUN) as session:
             session.subscribe(topics.state(RUN))
             while True:
                 item = session.inbox.get(timeout=10.0)
@@ -126,12 +127,12 @@ def test_without_the_token_the_page_says_what_to_do(browser: "Browser", launched
 def test_an_agent_is_killed_after_a_question_stays_down_and_comes_back(page: Driven, launched: Launched) -> None:
     page.wait_text("RUNNING", 60.0)
     page.show("Robots")
-    page.tap("kill 2")
+    page.click_cell("kill 2")
     page.wait_text(r"Kill agent 2\?")
-    page.press("Leave it alone")
+    page.press("Cancel")
     page.until(lambda: "Kill agent 2?" not in page.text(), "the question gone")
     assert launched.state().dismissed == []
-    page.tap("kill 2")
+    page.click_cell("kill 2")
     page.wait_text(r"Kill agent 2\?")
     page.press("Kill 2")
     page.wait_text("R2 KILLED")
@@ -140,7 +141,7 @@ def test_an_agent_is_killed_after_a_question_stays_down_and_comes_back(page: Dri
     assert down.dismissed == [2]
     page.until(lambda: launched.state().stamp > down.stamp + 0.5, "time going on", 30.0)
     assert launched.state().stopped == [2]
-    page.tap("restart 2")  # nothing to lose: not asked
+    page.click_cell("restart 2")  # nothing to lose: not asked
     page.wait_text("RUNNING", 30.0)
     page.until(lambda: "KILLED" not in page.text() and launched.state().live == [1, 2], "agent 2 back", 30.0)
     page.show("Live")
@@ -153,7 +154,7 @@ def test_an_agent_that_lives_is_replaced_by_a_fresh_one(page: Driven, launched: 
 
     page.show("Robots")
     before = arrivals()
-    page.tap("restart 1")
+    page.click_cell("restart 1")
     page.wait_text(r"Restart agent 1\?")
     page.press("Restart 1")
     page.until(lambda: arrivals() > before and launched.state().dismissed == [], "a fresh agent 1", 30.0)

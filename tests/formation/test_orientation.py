@@ -11,7 +11,8 @@ import pytest
 
 from formation.metrics import wrapped
 from formation.orientation import SHARE, SMOOTHING, Along, Fixed, Limited, Rounded
-from formation.paths.kinds import Circle, Corner, Figure8, heading
+from formation.paths.kinds import Circle, Corner, Figure8
+from formation.paths.path import heading
 from formation.scenario.files import load
 
 CORNER, CIRCLE, EIGHT = Corner(kind="corner", at=5.0), Circle(kind="circle"), Figure8(kind="figure8")

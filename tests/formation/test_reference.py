@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from formation.metrics import pattern_errors, wrapped
-from formation.paths.kinds import heading
+from formation.paths.path import heading
 from formation.pattern import rotate
 from formation.reference import BLOCK_TICKS, HORIZONS, Block, Reference
 from formation.scenario.files import load

@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 
 from formation.errors import WireError
 from formation.faults import PRESETS, Fault
+from formation.links import LinkId
 from network.codec import decode, encode
 from network.link import MEMORY, QUEUE_LIMIT, Arrival, Link, damaged
 from network.messages import LinkCounts, Plan
+from tests.builders import plan
 
 TICK = 0.01
 SHARE = st.sampled_from([0.0, 0.0, 0.05, 0.3, 0.9, 1.0])
@@ -32,7 +34,7 @@ FAULTS = st.builds(
     corrupt=SHARE,
     cut=st.sampled_from([False, False, False, True]),
 )
-PLAN = Plan(2, 17, 0.17, 3, np.array([0.1, -0.2, 0.3]), 0.1, np.arange(40.0).reshape(20, 2))
+PLAN = plan(2, 17, inputs=np.arange(40.0).reshape(20, 2))
 
 
 def run(link: Link[int], seqs: range | list[int], wait: float = 60.0) -> list[Arrival[int]]:
@@ -51,7 +53,7 @@ def fate(arrivals: list[Arrival[int]]) -> Counter[tuple[int, float, float | None
 
 def received(fault: Fault, seqs: range | list[int], seed: int = 0) -> set[int]:
     """The seqs that came through."""
-    return {a.seq for a in run(Link(seed, "1", "2", fault), seqs)}
+    return {a.seq for a in run(Link(seed, LinkId(1, 2), fault), seqs)}
 
 
 def runs_of_losses(fault: Fault, count: int, seed: int = 0) -> list[int]:
@@ -66,7 +68,7 @@ def runs_of_losses(fault: Fault, count: int, seed: int = 0) -> list[int]:
 @given(st.lists(FAULTS, min_size=1, max_size=3), st.integers(0, 2**32), st.data())
 @settings(max_examples=100)
 def test_sent_and_duplicated_is_delivered_and_lost_and_in_flight_at_any_time(faults: Any, seed: Any, data: Any) -> None:
-    link: Link[int] = Link(seed, "1", "2")
+    link: Link[int] = Link(seed, LinkId(1, 2))
     popped = 0
     for seq in range(data.draw(st.integers(1, 60))):
         if seq % 20 == 0:
@@ -87,7 +89,7 @@ def test_sent_and_duplicated_is_delivered_and_lost_and_in_flight_at_any_time(fau
 @given(FAULTS, st.integers(0, 2**32))
 @settings(max_examples=80)
 def test_no_message_is_early_and_none_is_popped_before_it_is_due(fault: Any, seed: Any) -> None:
-    link: Link[int] = Link(seed, "1", "2", fault)
+    link: Link[int] = Link(seed, LinkId(1, 2), fault)
     for seq in range(50):
         now = seq * TICK
         link.push(seq, now, seq)
@@ -102,7 +104,7 @@ def test_no_message_is_early_and_none_is_popped_before_it_is_due(fault: Any, see
 @given(FAULTS)
 @settings(max_examples=40)
 def test_arrivals_are_popped_in_the_order_of_their_times(fault: Any) -> None:
-    link: Link[int] = Link(3, "1", "2", fault)
+    link: Link[int] = Link(3, LinkId(1, 2), fault)
     for seq in range(50):
         link.push(seq, seq * TICK, seq)
     due = [a.due for a in link.pop(math.inf)]
@@ -114,7 +116,7 @@ def test_no_delay_is_negative_and_pareto_is_never_below_the_latency(
     distribution: Any, latency: Any, jitter: Any
 ) -> None:
     fault = Fault(latency=latency, jitter=jitter, distribution=distribution)
-    arrivals = run(Link(1, "1", "2", fault), range(40), wait=math.inf)
+    arrivals = run(Link(1, LinkId(1, 2), fault), range(40), wait=math.inf)
     assert len(arrivals) == 40
     assert min(a.due - a.sent for a in arrivals) >= 0.0
     if distribution == "pareto":
@@ -124,7 +126,7 @@ def test_no_delay_is_negative_and_pareto_is_never_below_the_latency(
 def test_a_message_that_is_due_on_a_tick_comes_on_that_tick_despite_rounding() -> None:
     # 0.1 + 0.2 > 0.3 in binary: a stamp plus a latency may miss the tick's own stamp by a rounding.
     for k in range(1000):
-        link: Link[int] = Link(0, "1", "2", Fault(latency=0.3))
+        link: Link[int] = Link(0, LinkId(1, 2), Fault(latency=0.3))
         link.push(k, k * TICK, k)
         assert link.pop((k + 29) * TICK) == []
         assert len(link.pop((k + 30) * TICK)) == 1
@@ -135,7 +137,7 @@ def test_a_message_that_is_due_on_a_tick_comes_on_that_tick_despite_rounding() -
 
 @given(st.integers(0, 2**32), st.integers(0, 10**9))
 def test_a_perfect_link_is_transparent(seed: Any, seq: Any) -> None:
-    link: Link[int] = Link(seed, "1", "2")
+    link: Link[int] = Link(seed, LinkId(1, 2))
     assert link.transparent
     link.push(seq, 0.3, 7)
     assert link.pop(0.3) == [Arrival(seq, 0.3, 0.3, 7, None)]
@@ -144,7 +146,7 @@ def test_a_perfect_link_is_transparent(seed: Any, seq: Any) -> None:
 
 
 def test_a_mended_link_is_transparent_once_the_last_delayed_message_is_out() -> None:
-    link: Link[int] = Link(0, "1", "2", Fault(latency=0.5))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(latency=0.5))
     link.push(0, 0.0, 0)
     link.fault = Fault()
     assert not link.transparent
@@ -156,7 +158,7 @@ def test_a_mended_link_is_transparent_once_the_last_delayed_message_is_out() -> 
 
 
 def test_a_fault_holds_for_messages_pushed_from_then_on() -> None:
-    link: Link[int] = Link(0, "1", "2", Fault(latency=0.5))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(latency=0.5))
     link.push(0, 0.0, 0)
     link.fault = Fault(cut=True)
     link.push(1, 0.01, 1)
@@ -167,7 +169,7 @@ def test_a_fault_holds_for_messages_pushed_from_then_on() -> None:
 @given(FAULTS)
 @settings(max_examples=30)
 def test_a_cut_link_loses_all(fault: Any) -> None:
-    link: Link[int] = Link(0, "1", "2", fault.model_copy(update={"cut": True}))
+    link: Link[int] = Link(0, LinkId(1, 2), fault.model_copy(update={"cut": True}))
     assert run(link, range(30)) == []
     assert link.counts == LinkCounts(sent=30, lost=30)
 
@@ -181,19 +183,19 @@ def test_loss_of_all_and_of_none() -> None:
 @given(FAULTS, st.integers(0, 2**32))
 @settings(max_examples=60)
 def test_a_link_that_keeps_order_never_lets_a_message_overtake(fault: Any, seed: Any) -> None:
-    link: Link[int] = Link(seed, "1", "2", fault.model_copy(update={"keep_order": True, "duplicate": 0.0}))
+    link: Link[int] = Link(seed, LinkId(1, 2), fault.model_copy(update={"keep_order": True, "duplicate": 0.0}))
     seqs = [a.seq for a in run(link, range(60), wait=math.inf)]
     assert seqs == sorted(seqs)
 
 
 def test_without_keep_order_jitter_reorders() -> None:
-    seqs = [a.seq for a in run(Link(0, "1", "2", Fault(latency=0.1, jitter=0.1)), range(60))]
+    seqs = [a.seq for a in run(Link(0, LinkId(1, 2), Fault(latency=0.1, jitter=0.1)), range(60))]
     assert seqs != sorted(seqs)
     assert sorted(seqs) == list(range(60))
 
 
 def test_a_share_of_messages_overtakes_the_delay() -> None:
-    arrivals = run(Link(0, "1", "2", Fault(latency=0.1, reorder=0.2)), range(5000))
+    arrivals = run(Link(0, LinkId(1, 2), Fault(latency=0.1, reorder=0.2)), range(5000))
     skipped = [a for a in arrivals if a.due == a.sent]
     assert all(a.due == pytest.approx(a.sent + 0.1) for a in arrivals if a.due != a.sent)
     assert len(skipped) / 5000 == pytest.approx(0.2, abs=0.02)  # 3.5 standard deviations of a share of 5000
@@ -201,7 +203,7 @@ def test_a_share_of_messages_overtakes_the_delay() -> None:
 
 def test_a_rate_limit_spaces_messages_and_loses_what_the_queue_cannot_hold() -> None:
     rate = 20.0
-    link: Link[int] = Link(0, "1", "2", Fault(rate=rate))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(rate=rate))
     arrivals = run(link, range(500))  # 100 messages a second
     due = [a.due for a in arrivals]
     assert len(due) >= 90
@@ -214,12 +216,12 @@ def test_a_rate_limit_spaces_messages_and_loses_what_the_queue_cannot_hold() -> 
 
 
 def test_a_rate_limit_above_the_traffic_does_nothing() -> None:
-    arrivals = run(Link(0, "1", "2", Fault(rate=101.0)), range(200))
+    arrivals = run(Link(0, LinkId(1, 2), Fault(rate=101.0)), range(200))
     assert [a.due for a in arrivals] == [a.sent for a in arrivals]
 
 
 def test_a_duplicate_is_a_second_copy_with_a_delay_of_its_own() -> None:
-    link: Link[int] = Link(0, "1", "2", Fault(duplicate=1.0, latency=0.1, jitter=0.05))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(duplicate=1.0, latency=0.1, jitter=0.05))
     arrivals = run(link, range(100))
     by_seq = {seq: [a.due for a in arrivals if a.seq == seq] for seq in range(100)}
     assert all(len(due) == 2 for due in by_seq.values())
@@ -229,7 +231,7 @@ def test_a_duplicate_is_a_second_copy_with_a_delay_of_its_own() -> None:
 
 @pytest.mark.parametrize("share", [0.001, 0.3])
 def test_the_share_of_duplicates_is_what_was_asked(share: Any) -> None:
-    link: Link[int] = Link(0, "1", "2", Fault(duplicate=share))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(duplicate=share))
     run(link, range(10_000))
     spread = math.sqrt(share * (1 - share) / 10_000)
     assert link.counts.duplicated / 10_000 == pytest.approx(share, abs=4 * spread)
@@ -283,7 +285,7 @@ def test_the_length_of_bursts_is_geometric() -> None:
 
 
 def delays(fault: Fault, count: int = 20_000) -> np.ndarray:
-    arrivals = run(Link(5, "1", "2", fault), range(count), wait=math.inf)
+    arrivals = run(Link(5, LinkId(1, 2), fault), range(count), wait=math.inf)
     return np.array([a.due - a.sent for a in arrivals])
 
 
@@ -333,7 +335,7 @@ def test_pareto_jitter_has_its_mean_and_a_heavy_tail() -> None:
 @given(FAULTS, st.integers(0, 2**62))
 @settings(max_examples=40)
 def test_the_same_messages_meet_the_same_faults_in_another_link_object(fault: Any, seed: Any) -> None:
-    a, b = (run(Link(seed, "1", "2", fault), range(40), wait=math.inf) for _ in range(2))
+    a, b = (run(Link(seed, LinkId(1, 2), fault), range(40), wait=math.inf) for _ in range(2))
     assert a == b
 
 
@@ -348,8 +350,8 @@ def test_a_link_that_starts_later_gives_the_same_fates(loss: Any, burst: Any, st
 def test_a_gap_in_the_messages_does_not_change_the_fate_of_the_others() -> None:
     fault = Fault(loss=0.4, burst=6.0, jitter=0.01, latency=0.02, corrupt=0.1, duplicate=0.1)
     seqs = sorted(set(range(0, 1000, 7)) | set(range(300, 400)))
-    whole = fate(run(Link(0, "1", "2", fault), range(1000)))
-    some = fate(run(Link(0, "1", "2", fault), seqs))
+    whole = fate(run(Link(0, LinkId(1, 2), fault), range(1000)))
+    some = fate(run(Link(0, LinkId(1, 2), fault), seqs))
     wanted = {key for key in whole if key[0] in seqs}
     # Delays are differences of stamps: they agree up to the rounding of the same sums, so exactly.
     assert set(some) == wanted
@@ -358,7 +360,7 @@ def test_a_gap_in_the_messages_does_not_change_the_fate_of_the_others() -> None:
 
 def test_a_fault_of_another_kind_in_between_does_not_change_fates() -> None:
     bursty, other = Fault(loss=0.4, burst=6.0), Fault(loss=0.2, burst=3.0)
-    link: Link[int] = Link(0, "1", "2")
+    link: Link[int] = Link(0, LinkId(1, 2))
     arrivals = []
     for seq in range(600):
         link.fault = other if 200 <= seq < 300 else bursty
@@ -371,7 +373,7 @@ def test_a_fault_of_another_kind_in_between_does_not_change_fates() -> None:
 
 def test_the_look_back_ends_after_its_memory_and_a_long_chain_stays_cheap() -> None:
     # With bursts of 1e6 hardly a draw decides: a cold look-back meets the end of its memory.
-    link: Link[int] = Link(0, "1", "2", Fault(loss=0.5, burst=1e6))
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(loss=0.5, burst=1e6))
     seqs = range(10 * MEMORY, 10 * MEMORY + 200)
     came = {a.seq for a in run(link, seqs)}
     assert came in (set(), set(seqs))
@@ -381,19 +383,19 @@ def test_seed_source_target_and_seq_each_change_the_draws() -> None:
     fault = Fault(loss=0.5)
     seqs = range(200)
 
-    def came(seed: int, source: str, target: str, offset: int = 0) -> frozenset[int]:
-        arrivals = run(Link(seed, source, target, fault), range(offset, offset + 200))
+    def came(seed: int, link: LinkId, offset: int = 0) -> frozenset[int]:
+        arrivals = run(Link(seed, link, fault), range(offset, offset + 200))
         return frozenset(a.seq - offset for a in arrivals)
 
-    assert came(0, "1", "2") == came(0, "1", "2")
+    assert came(0, LinkId(1, 2)) == came(0, LinkId(1, 2))
     different = [
-        came(0, "1", "2"),
-        came(1, "1", "2"),
-        came(0, "2", "1"),
-        came(0, "1", "3"),
-        came(0, "3", "2"),
-        came(0, "1", "2", len(seqs)),
-        came(2**63 - 1, "1", "2"),
+        came(0, LinkId(1, 2)),
+        came(1, LinkId(1, 2)),
+        came(0, LinkId(2, 1)),
+        came(0, LinkId(1, 3)),
+        came(0, LinkId(3, 2)),
+        came(0, LinkId(1, 2), len(seqs)),
+        came(2**63 - 1, LinkId(1, 2)),
     ]
     assert len(set(different)) == len(different)
 
@@ -408,8 +410,8 @@ def test_one_fault_does_not_change_the_draws_of_another() -> None:
 @settings(max_examples=40)
 def test_two_controllers_meet_identical_faults(fault: Any, seed: Any) -> None:
     """What is in the messages, and when the receiver looks, does not matter."""
-    a: Link[str] = Link(seed, "3", "1", fault)
-    b: Link[int] = Link(seed, "3", "1", fault)
+    a: Link[str] = Link(seed, LinkId(3, 1), fault)
+    b: Link[int] = Link(seed, LinkId(3, 1), fault)
     first, second = [], []
     for seq in range(40):
         a.push(seq, seq * TICK, "a plan of nash")
@@ -443,7 +445,7 @@ def test_every_damaged_plan_is_refused_by_the_codec() -> None:
 
 
 def test_the_share_of_corrupt_messages_is_what_was_asked_and_their_damage_differs() -> None:
-    arrivals = run(Link(0, "1", "2", Fault(corrupt=0.25)), range(8000))
+    arrivals = run(Link(0, LinkId(1, 2), Fault(corrupt=0.25)), range(8000))
     damages = [a.damage for a in arrivals if a.damage is not None]
     assert len(arrivals) == 8000
     assert len(damages) / 8000 == pytest.approx(0.25, abs=0.02)
@@ -459,7 +461,7 @@ def test_a_preset_is_a_fault_that_a_link_can_have(name: Any) -> None:
     fault = PRESETS[name]
     assert Fault.model_validate(fault.model_dump()) == fault
     assert fault != Fault()
-    link: Link[int] = Link(0, "1", "2", fault)
+    link: Link[int] = Link(0, LinkId(1, 2), fault)
     arrivals = run(link, range(500))
     assert bool(arrivals) == (name != "blackout")
     c = link.counts

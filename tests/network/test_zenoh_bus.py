@@ -7,22 +7,23 @@ from pathlib import Path
 import pytest
 
 from network import topics
+from network.bus import Kept, Sample
 from network.codec import decode
 from network.messages import Command
-from network.zenoh_bus import Kept, Router, Sample, Session
+from network.zenoh_bus import Router, ZenohBus
 
 
 @pytest.fixture
-def pair(tmp_path: Path) -> Iterator[tuple[Session, Session]]:
+def pair(tmp_path: Path) -> Iterator[tuple[ZenohBus, ZenohBus]]:
     """Two clients of one router."""
     endpoint = f"unixsock-stream/{tmp_path}/r"
     router = Router(endpoint)
-    with Session(endpoint, "x") as one, Session(endpoint, "x") as other:
+    with ZenohBus(endpoint, "x") as one, ZenohBus(endpoint, "x") as other:
         yield one, other
     router.close()
 
 
-def say(session: Session, numbers: range) -> None:
+def say(session: ZenohBus, numbers: range) -> None:
     for seq in numbers:
         session.publish(topics.command("x", 1), Command(1, seq, 0.0, 0, 0.0, 0.0, 0.0, False, 0.0))
 
@@ -37,7 +38,7 @@ def heard(kept: Kept, least: int) -> list[Sample]:
     return found
 
 
-def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple[Session, Session]) -> None:
+def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple[ZenohBus, ZenohBus]) -> None:
     sender, listener = pair
     kept = listener.keep(topics.command("x", "*"), 100)
     sender.announce(topics.command("x", 1), reliable=True)
@@ -50,7 +51,7 @@ def test_what_is_kept_comes_once_and_in_order_and_never_in_the_inbox(pair: tuple
     assert listener.inbox.empty()
 
 
-def test_of_what_nobody_looked_at_in_time_the_newest_is_left(pair: tuple[Session, Session]) -> None:
+def test_of_what_nobody_looked_at_in_time_the_newest_is_left(pair: tuple[ZenohBus, ZenohBus]) -> None:
     sender, listener = pair
     kept, all_of_it = listener.keep(topics.command("x", 1), 3), listener.keep(topics.command("x", 1), 1000)
     sender.announce(topics.command("x", 1), reliable=True)

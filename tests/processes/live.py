@@ -18,12 +18,14 @@ import psutil
 import pytest
 
 from runtime.precompile import ensure_compiled
+from tests.exceptions import needs
 
 WAIT_SECONDS = 30.0
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled() -> None:
+    needs("unix sockets")
     ensure_compiled(print)
 
 

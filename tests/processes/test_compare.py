@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.messages import Ghost, State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
 from tests.processes.live import Up, echelon, wait_for
 
@@ -22,7 +23,7 @@ Start = Callable[..., Up]
 class Ears:
     """Hears states and ghosts of the run, and pairs those of the same stamp."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: ZenohBus) -> None:
         self._session = session
         self.states: dict[tuple[int, float], State] = {}
         self.ghosts: dict[tuple[int, float], Ghost] = {}
@@ -52,7 +53,7 @@ def test_the_ghost_of_the_live_controller_is_the_live_flight_through_faults_and_
     run = up("--no-dashboard", "--set", "noise.slip=0.1", "--set", "link.loss=0.2")
     run.flying()
     endpoint = find("test").endpoint
-    with Session(endpoint, "test") as session:
+    with ZenohBus(endpoint, "test") as session:
         ears = Ears(session)
         echelon("fault", "set", "--link", "1->2", "--latency", "200ms")
         time.sleep(1.0)

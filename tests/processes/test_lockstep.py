@@ -13,11 +13,13 @@ import pytest
 
 from formation.errors import WireError
 from formation.scenario.files import load
+from formation.scenario.overrides import from_settings
 from network import topics
+from network.bus import Sample
 from network.codec import decode
 from network.control import GetSummary, Start
 from network.messages import State
-from network.zenoh_bus import Sample, Session
+from network.zenoh_bus import ZenohBus
 from runtime import inprocess
 from runtime.process_list import Plan, programs
 from runtime.run_registry import Claim
@@ -49,13 +51,13 @@ def simulate(
     """One flight as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
-        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, settings, speed=0.0, paused=True)
+        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True)
         found = programs(plan, scenario)
         random.Random(order).shuffle(found)
         supervisor = Supervisor("lockstep", print)
         try:
             supervisor.start(found)
-            with Session(claim.endpoint, "lockstep") as session:
+            with ZenohBus(claim.endpoint, "lockstep") as session:
                 session.subscribe(topics.state("lockstep"))
                 wait_for(lambda: (r := session.ask(Start())) and r.ok)
                 if disturb is not None:
@@ -64,10 +66,9 @@ def simulate(
                 def finished() -> bool:
                     supervisor.watch(0.0)
                     over = False
-                    while not (over or session.inbox.empty()):
-                        item = session.inbox.get()
+                    for item in session.arrivals():
                         with contextlib.suppress(WireError):
-                            over = isinstance(item, Sample) and decode(State, item.payload).status == "finished"
+                            over |= isinstance(item, Sample) and decode(State, item.payload).status == "finished"
                     return over
 
                 wait_for(finished, 60.0)
@@ -109,7 +110,7 @@ def test_garbage_on_every_topic_is_counted_and_changes_nothing() -> None:
     robots = [topics.plan, topics.command, topics.status]
     targets = [key("lockstep") for key in words] + [key("lockstep", i) for key in robots for i in (1, 2, 3)]
 
-    def litter(session: Session) -> None:
+    def litter(session: ZenohBus) -> None:
         import zenoh
 
         stranger = session._session  # our processes themselves have no way to say such things

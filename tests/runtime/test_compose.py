@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from formation.scenario.files import load, shipped
+from formation.scenario.overrides import Overrides, from_json
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
 from runtime.process_list import Plan, Program, programs
 
@@ -17,8 +18,10 @@ ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
 
 
-def services(scenario: str = SCENARIO, settings: Sequence[str] = ()) -> dict[str, Any]:
-    found: dict[str, Any] = yaml.safe_load(compose_file(scenario, load(scenario, settings), settings))["services"]
+def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
+    found: dict[str, Any] = yaml.safe_load(compose_file(scenario, load(scenario, overrides or {}), overrides))[
+        "services"
+    ]
     return found
 
 
@@ -44,17 +47,18 @@ def test_the_file_is_what_the_generator_gives() -> None:
 def test_one_service_per_program(scenario: str) -> None:
     expected = {
         service_name(program): ["python", "-m", program.module, *program.arguments]
-        for program in programs(plan(scenario, ()), load(scenario))
+        for program in programs(plan(scenario, {}), load(scenario))
     }
     assert {name: service["command"] for name, service in services(scenario).items()} == expected
 
 
-def test_settings_reach_the_world_and_the_number_of_robots() -> None:
-    settings = ["formation.robots=5", 'controller.name="paper"']
-    found = services("ring-16", settings)
+def test_overrides_reach_the_world_and_the_number_of_robots() -> None:
+    overrides = {"formation": {"robots": 5}, "controller": {"name": "paper"}, "source": 'it\'s a "test" of $HOME'}
+    found = services("ring-16", overrides)
     assert [name for name in found if name.startswith("agent-")] == [f"agent-{i}" for i in (1, 2, 3, 4, 5)]
     command = found["world"]["command"]
-    assert [command[i + 1] for i, word in enumerate(command) if word == "--set"] == settings
+    text = command[command.index("--overrides") + 1].replace("$$", "$")  # as compose reads it
+    assert from_json(text) == overrides
 
 
 def test_the_same_processes_as_the_launcher_starts() -> None:
@@ -100,7 +104,7 @@ def test_no_service_can_do_more_than_it_must() -> None:
 
 
 def test_every_service_is_checked_as_what_it_is() -> None:
-    for program in programs(plan(SCENARIO, ()), load(SCENARIO)):
+    for program in programs(plan(SCENARIO, {}), load(SCENARIO)):
         check = services()[service_name(program)]["healthcheck"]
         where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
         who = ["--role", program.role, "--id", str(program.number)]

@@ -3,24 +3,24 @@
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from formation.errors import FaultError
 from formation.faults import (
     PERFECT,
     PRESETS,
+    SHOWN,
     Fault,
     ScheduledFault,
-    every_link,
-    links_named,
-    plan_links,
     preset,
     with_changes,
 )
+from formation.links import LinkId, every_link, links_named, plan_links
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from formation.units import seconds, share
+from tests.strategies import of
 from world.faults import FaultState
 from world.world import World
 
@@ -98,20 +98,39 @@ def test_a_wrong_change_is_one_line_with_key_and_choices(changes: Any, words: An
 # ---------------------------------------------------------------- links and presets
 
 
+def names(links: list[LinkId]) -> list[str]:
+    return [str(link) for link in links]
+
+
+@given(st.integers(0, 64), st.integers(0, 64))
+def test_a_link_is_read_back_from_its_text(sender: int, receiver: int) -> None:
+    assume(sender != receiver)
+    assert LinkId.parse(str(LinkId(sender, receiver))) == (sender, receiver)
+
+
+@given(st.text(st.sampled_from("worldx0123456789->→ -"), max_size=12))
+def test_any_text_is_a_link_or_refused(text: str) -> None:
+    try:
+        link = LinkId.parse(text)
+    except FaultError:
+        return
+    assert str(link).split("->") == [end.strip() for end in text.replace("→", "->").split("->")]
+
+
 def test_the_links_of_a_ring_lead_downstream() -> None:
-    assert plan_links(2) == ["1->2", "2->1"]
-    assert plan_links(3) == ["1->2", "2->3", "3->1"]
-    assert every_link(2) == ["1->2", "2->1", "world->1", "1->world", "world->2", "2->world"]
+    assert names(plan_links(2)) == ["1->2", "2->1"]
+    assert names(plan_links(3)) == ["1->2", "2->3", "3->1"]
+    assert names(every_link(2)) == ["1->2", "2->1", "world->1", "1->world", "world->2", "2->world"]
 
 
 @pytest.mark.parametrize("text", ["2->3", " 2 -> 3 ", "2→3", "2 → 3"])
 def test_a_link_may_be_written_with_spaces_or_an_arrow(text: Any) -> None:
-    assert links_named(text, 3) == ["2->3"]
+    assert names(links_named(text, 3)) == ["2->3"]
 
 
 def test_all_means_the_ring() -> None:
-    assert links_named("all", 3) == ["1->2", "2->3", "3->1"]
-    assert links_named("world->2", 3) == ["world->2"]
+    assert names(links_named("all", 3)) == ["1->2", "2->3", "3->1"]
+    assert names(links_named("world->2", 3)) == ["world->2"]
 
 
 @pytest.mark.parametrize("text", ["3->2", "1->4", "1", "", "ALL", "world", "world->4", "1->2->3"])
@@ -146,7 +165,7 @@ def test_a_fault_said_in_words_names_what_is_wrong(name: Any) -> None:
     assert PERFECT.words() == "healthy"
 
 
-@given(st.builds(Fault, latency=st.floats(0, 2), loss=st.floats(0, 1), keep_order=st.booleans(), burst=st.floats(0, 9)))
+@given(of(Fault))
 def test_the_keys_that_differ_from_a_perfect_link_say_all(fault: Any) -> None:
     assert with_changes(PERFECT, fault.plain()) == fault
     assert (fault.plain() == {}) == (fault == PERFECT)
@@ -159,7 +178,7 @@ def test_the_schedule_is_on_from_its_first_tick_to_before_its_last() -> None:
     world = World(scenario({"at": 0.05, "until": 0.1, "link": "1->2", "loss": 0.5}))
     on = []
     while world.k < 15:
-        if "1->2" in world.faults.table:
+        if LinkId(1, 2) in world.faults.table:
             on.append(world.k)
         world.advance({})
     assert on == [5, 6, 7, 8, 9]
@@ -180,7 +199,7 @@ def test_the_ticks_of_a_schedule_do_not_suffer_from_rounding() -> None:
 def test_a_fault_without_an_end_stays() -> None:
     faults = state({"at": 1.0, "link": "world->2", "latency": "100ms"})
     faults.update(1e6)
-    assert faults.table == {"world->2": Fault(latency=0.1)}
+    assert faults.table == {LinkId(0, 2): Fault(latency=0.1)}
 
 
 def test_an_update_tells_every_link_that_changed_once() -> None:
@@ -201,13 +220,13 @@ def test_later_layers_win_key_by_key() -> None:
     faults = state({"at": 1.0, "link": "1->2", "loss": 0.5}, {"at": 2.0, "link": "1->2", "jitter": 0.1}, latency=0.2)
     assert faults.table == dict.fromkeys(plan_links(3), Fault(latency=0.2))
     faults.update(1.0)
-    assert faults.table["1->2"] == Fault(latency=0.2, loss=0.5)
-    assert faults.table["2->3"] == Fault(latency=0.2)
+    assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, loss=0.5)
+    assert faults.table[LinkId(2, 3)] == Fault(latency=0.2)
     faults.update(2.0)
-    assert faults.table["1->2"] == Fault(latency=0.2, loss=0.5, jitter=0.1)
+    assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, loss=0.5, jitter=0.1)
     faults.change("1->2", {"loss": 0.1}, None)
     faults.update(2.0)
-    assert faults.table["1->2"] == Fault(latency=0.2, loss=0.1, jitter=0.1)
+    assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, loss=0.1, jitter=0.1)
 
 
 def test_the_scenarios_link_holds_for_the_ring_and_not_for_poses_and_commands() -> None:
@@ -228,14 +247,14 @@ def test_a_second_change_adds_to_the_first() -> None:
     faults.change("1->2", {"latency": "300ms"}, None)
     faults.change("1->2", {"loss": "30%"}, None)
     faults.update(0.0)
-    assert faults.table == {"1->2": Fault(latency=0.3, loss=0.3)}
+    assert faults.table == {LinkId(1, 2): Fault(latency=0.3, loss=0.3)}
 
 
 def test_a_change_back_to_healthy_takes_the_link_from_the_table() -> None:
     faults = state(latency=0.2)
     faults.change("1->2", {"latency": 0}, None)
     faults.update(0.0)
-    assert set(faults.table) == {"2->3", "3->1"}
+    assert set(faults.table) == {LinkId(2, 3), LinkId(3, 1)}
 
 
 @pytest.mark.parametrize(("link", "changes"), [("1->3", {"loss": 0.5}), ("1->2", {"los": 0.5}), ("all", {"loss": 7})])
@@ -257,10 +276,10 @@ def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on()
     faults.update(1.0)
     faults.clear("1->2", 2.0)
     faults.update(2.0)
-    assert faults.table["1->2"] == Fault(latency=0.2)  # [link] stays
-    assert faults.table["2->3"].cut  # another link
+    assert faults.table[LinkId(1, 2)] == Fault(latency=0.2)  # [link] stays
+    assert faults.table[LinkId(2, 3)].cut  # another link
     faults.update(9.0)
-    assert faults.table["1->2"] == Fault(latency=0.2, jitter=0.1)  # what comes later comes
+    assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, jitter=0.1)  # what comes later comes
     faults.clear("all", 9.0)
     faults.update(9.0)
     assert faults.table == dict.fromkeys(plan_links(3), Fault(latency=0.2))
@@ -289,9 +308,18 @@ def test_a_restart_makes_the_schedule_whole_and_keeps_what_people_set_without_an
     faults.change("3->1", {"cut": True}, 100.0)
     faults.clear("1->2", 1.5)
     faults.update(1.5)
-    assert set(faults.table) == {"2->3", "3->1"}
+    assert set(faults.table) == {LinkId(2, 3), LinkId(3, 1)}
     faults.restart()
     faults.update(0.0)
-    assert faults.table == {"2->3": Fault(latency=0.1)}
+    assert faults.table == {LinkId(2, 3): Fault(latency=0.1)}
     faults.update(1.0)
-    assert faults.table == {"1->2": Fault(loss=0.5), "2->3": Fault(latency=0.1)}
+    assert faults.table == {LinkId(1, 2): Fault(loss=0.5), LinkId(2, 3): Fault(latency=0.1)}
+
+
+def test_every_key_of_a_fault_has_its_words_and_a_slider_covers_the_presets() -> None:
+    assert set(SHOWN) == set(Fault.model_fields)
+    assert all(field.description for field in Fault.model_fields.values())
+    for fault in PRESETS.values():
+        for key, value in fault.plain().items():
+            if SHOWN[key].top:
+                assert SHOWN[key].shown(value) <= SHOWN[key].top

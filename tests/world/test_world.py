@@ -15,14 +15,16 @@ from hypothesis import strategies as st
 from formation.arrays import FloatArray
 from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
+from formation.links import LinkId, plan_links
 from formation.metrics import pattern_errors, tracking_error
-from formation.paths.kinds import heading
-from formation.pattern import rotate
+from formation.paths.path import heading
+from formation.pattern import rotate, upstream
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
-from network.messages import Command, LinkCounts, Setup, State, Status, Tick
+from network.messages import Command, LinkCounts, Setup, State, Tick
+from tests.builders import command, status
 from world.bodies.unicycle import Plant
 from world.trace import Trace
 from world.world import SHOWN_EVENTS, WATCHDOG, World
@@ -32,11 +34,6 @@ TICK = 0.01
 
 def world(*settings_: str, name: str = "triangle-circle", **more: Any) -> World:
     return World(load(name, settings_), **more)
-
-
-def command(robot: int, k: int, v: float = 0.1, omega: float = 0.2, **more: Any) -> Command:
-    values = {"age": 0.01, "planned": True, "solve": 1e-4, "episode": 0} | more
-    return Command(sender=robot, seq=k, stamp=k * TICK, v=v, omega=omega, **values)
 
 
 def all_commands(w: World, **more: Any) -> dict[int, Command]:
@@ -93,7 +90,7 @@ def test_the_tick_message_says_where_and_when_and_who_planned() -> None:
     assert decode(Tick, encode(tick)).planned == [1]
 
 
-def test_the_last_tick_is_marked_and_the_flight_then_ends() -> None:
+def test_the_last_tick_is_marked_and_the_episode_then_ends() -> None:
     w = world("duration=0.03")
     marks = []
     while not w.finished:
@@ -194,15 +191,15 @@ def test_reset_keeps_what_people_set_without_an_end_and_forgets_figures_and_held
     w.live = {1, 2}
     assert w.state(seq=0, status="running").stopped == [1, 2, 3]
     w.reset()
-    assert w.faults.table == {"2->3": Fault(latency=0.1)}
+    assert w.faults.table == {LinkId(2, 3): Fault(latency=0.1)}
     assert w.state(seq=0, status="running").stopped == []
     assert w.summary()["ticks"] == 0
     assert w.live == {1, 2}
     simulate(w, 11, episode=1)
-    assert w.faults.table == {"1->2": Fault(loss=0.5), "2->3": Fault(latency=0.1)}
+    assert w.faults.table == {LinkId(1, 2): Fault(loss=0.5), LinkId(2, 3): Fault(latency=0.1)}
 
 
-def test_another_scenario_is_another_flight() -> None:
+def test_another_scenario_begins_another_episode() -> None:
     w = world()
     simulate(w, 10)
     w.change_fault("1->2", {"loss": 0.5}, None)
@@ -236,7 +233,7 @@ def test_what_people_change_is_named_by_the_next_tick() -> None:
     w.change_fault("all", {"loss": "30%"}, None)
     second = w.tick()
     assert second.revision == w.revision == w.setup().revision > first.revision
-    assert set(w.setup().faults) == {"1->2", "2->3", "3->1"}
+    assert set(w.setup().faults) == set(plan_links(3))
     w.advance(all_commands(w))
     assert w.tick().revision == second.revision
     w.clear_faults("all")
@@ -264,7 +261,7 @@ def test_state_and_setup_go_over_the_wire_and_come_back() -> None:
     again = decode(State, encode(state))
     assert (again.seq, again.stamp, again.status, again.waiting_for) == (7, pytest.approx(0.3), "running", [2])
     np.testing.assert_array_equal(again.poses, w.plant.poses)
-    assert again.faults == {link: {"loss": 0.25} for link in ("1->2", "2->3", "3->1")}
+    assert again.faults == dict.fromkeys(plan_links(3), Fault(loss=0.25))
     assert [e.text for e in again.events] == [e.text for e in w.events]
     setup = decode(Setup, encode(w.setup()))
     assert Scenario.model_validate_json(setup.scenario).model_dump() == w.scenario.model_dump()
@@ -300,27 +297,24 @@ def test_the_state_carries_the_newest_events_only() -> None:
     assert numbers == sorted(set(numbers))
 
 
-def test_a_status_of_another_flight_or_of_nobody_is_not_heard() -> None:
+def test_a_status_of_another_episode_or_of_no_robot_is_ignored() -> None:
     w = world()
 
-    def status(sender: int, episode: int) -> Status:
-        link = f"{(sender - 2) % 3 + 1}->{sender}"
-        return Status(sender, 1, 0.0, episode, link, 0.0, None, None, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1)
-
+    counts = LinkCounts(sent=5)
     for sender, episode in ((1, 1), (4, 0), (0, 0)):
-        w.hear(status(sender, episode))
+        w.hear(status(sender, upstream(sender, 3), episode=episode, counts=counts))
     assert w.statuses == {}
     assert w.counts == {}
-    w.hear(status(1, 0))
+    w.hear(status(1, 3, counts=counts))
     assert set(w.statuses) == {1}
-    assert w.counts == {"3->1": LinkCounts(sent=5)}
+    assert w.counts == {LinkId(3, 1): LinkCounts(sent=5)}
 
 
-@pytest.mark.parametrize("link", ["", "x->y", "1->9", "nonsense", "2->1"])
+@pytest.mark.parametrize("link", [LinkId(1, 9), LinkId(2, 1), LinkId(0, 1)])
 def test_a_status_about_a_link_that_is_not_its_senders_does_not_spoil_the_summary(link: Any) -> None:
     w = world()
     simulate(w, 3)
-    w.hear(Status(1, 1, 0.0, 0, link, 0.0, None, None, LinkCounts(sent=5), 0.0, 0, 0.0, 0, 1))
+    w.hear(status(1, 3, link=link, counts=LinkCounts(sent=5)))
     assert w.summary()["links"] == {}
 
 
@@ -339,7 +333,7 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         ages.append([commands[i].age for i in w.robots])
         w.advance(commands)
         poses.append(w.plant.poses)
-    w.hear(Status(1, 59, 0.59, 0, "3->1", 0.0, None, None, LinkCounts(9, 7, 2, 1), 0.0, 0, 0.0, 0, 1))
+    w.hear(status(1, 3, counts=LinkCounts(9, 7, 2, 1)))
     for warmup, first in ((0.0, 0), (0.25, 25)):
         s = w.summary(warmup=warmup)
         track = np.array(poses)
@@ -374,13 +368,13 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         assert s["events"] == [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in w.events]
 
 
-def test_a_flight_that_has_not_begun_has_a_summary_without_ages() -> None:
+def test_an_episode_that_has_not_begun_has_a_summary_without_ages() -> None:
     s = world().summary()
     assert s["ticks"] == 0
     assert s["solve_s"] == {"median": None, "p99": None}
 
 
-def test_a_warmup_longer_than_the_flight_measures_its_last_pose() -> None:
+def test_a_warmup_longer_than_the_episode_measures_its_last_pose() -> None:
     w = world()
     simulate(w, 5)
     s = w.summary(warmup=100.0)
@@ -399,7 +393,7 @@ def test_a_trace_is_full_at_its_last_tick() -> None:
         assert trace.full is full
 
 
-def test_an_endless_flight_goes_on_where_the_path_is_closed_and_keeps_no_figures() -> None:
+def test_an_endless_episode_goes_on_where_the_path_is_closed_and_keeps_no_figures() -> None:
     w = world("duration=0.05", endless=True)
     simulate(w, 10)
     assert not w.finished

@@ -424,7 +424,7 @@ def test_a_live_world_refuses_it_and_flies_on_as_before() -> None:
     orders = RunControl(world, cast(Any, None), cast(Any, None), go=True)
     wishes = (
         UseController(controller="centralised"),
-        UseScenario(scenario="figure8", settings=("controller.name=centralised",)),
+        UseScenario(scenario="figure8", overrides={"controller": {"name": "centralised"}}),
     )
     for wish in wishes:
         with pytest.raises(ScenarioError) as mistake:

@@ -1,4 +1,4 @@
-"""The paper's algorithm, and every erratum of THEORY section 3 shown: wrong as printed, right as mended."""
+"""The paper's algorithm, and every erratum of its algorithm and data shown (docs/theory.md, section 4)."""
 
 # mypy: disable-error-code="arg-type, call-arg, no-any-return, return-value"
 # (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
@@ -33,10 +33,10 @@ ALL = (1, 2, 3)
 
 
 class Case(evidence.Case):
-    """The same pair, judged by THEORY's formulas too."""
+    """A pair, judged by the exact error dynamics too."""
 
     def formula_rate(self, z: FloatArray, u: FloatArray, w: FloatArray) -> FloatArray:
-        """dz/dt by THEORY section 4."""
+        """dz/dt by docs/theory.md, section 2."""
         own, other = self.poses(z)
         theta_c, psi, length = (own[2] + other[2]) / 2, self.psi_r - z[4], self.distance - z[3]
         (v_i, _), (v_u, _), omega_c = u, w, (u[1] + w[1]) / 2
@@ -210,7 +210,7 @@ def test_erratum_4_as_printed_a_formation_lags_behind_and_mended_it_does_not() -
         settings_ = ["controller.name=paper", "duration=10", f"controller.errata={list(errata)}"]
         return float(simulate(load("circle", settings_), warmup=8.0)["tracking_error_m"]["rms"])
 
-    # THEORY: a steady lag of 0.07 to 0.18 m on a formation of 0.1 m.
+    # A steady lag of the order of the spacing, 0.1 m.
     assert 0.05 < lag() < 0.2
     assert lag(1, 2, 3, 4) < 0.005
 

@@ -16,6 +16,7 @@ from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
 from runtime.inprocess import Simulation, simulate
+from tests.builders import plan
 
 STUCK = "disturbances=[{robot=2, at=5, until=9, drive=0.0}]"
 QUIET = ("robots={}", "duration=30")
@@ -155,7 +156,7 @@ def progress(*settings: str) -> tuple[Scenario, Pair, Progress]:
 
 
 def said(k: int, lag: float, lag_rate: float = 0.0) -> Plan:
-    return Plan(3, k, k * 0.01, 0, np.zeros(3), 0.1, np.zeros((20, 2)), lag, lag_rate)
+    return plan(3, k, lag=lag, lag_rate=lag_rate)
 
 
 def test_a_heard_lag_is_taken_over_and_what_travelled_is_added() -> None:

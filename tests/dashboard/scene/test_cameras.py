@@ -1,4 +1,4 @@
-"""Laws of the views: they show what was asked for, and a person's hand comes first."""
+"""Laws of the cameras: they show what was asked for, and what the user does to a camera is kept."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dashboard.scene.cameras import HANDS_OFF_SECONDS, Cameras
+from dashboard.scene.cameras import HOLD_SECONDS, Cameras
 from formation.arrays import FloatArray
 from formation.scenario.files import load
 
@@ -20,15 +20,15 @@ class _Camera:
         self.position: FloatArray = np.array([3.0, 3.0, 3.0])
         self.look_at: FloatArray = np.zeros(3)
         self.fov, self.aspect = 1.3, 0.8
-        self.told: Callable[[Any], None] = lambda _: None
+        self.callback: Callable[[Any], None] = lambda _: None
 
-    def on_update(self, told: Callable[[Any], None]) -> None:
-        self.told = told
+    def on_update(self, callback: Callable[[Any], None]) -> None:
+        self.callback = callback
 
     def dragged(self, position: FloatArray, look_at: FloatArray) -> None:
-        """The page says where it looks now."""
+        """The page sends its pose."""
         self.position, self.look_at = position, look_at
-        self.told(self)
+        self.callback(self)
 
 
 class _Client:
@@ -76,18 +76,18 @@ def pass_time(cameras: Cameras, clock: _Clock, seconds: float, step: float = 0.0
         cameras.update(SCENARIO, POSES)
 
 
-def test_a_page_that_tells_its_size_late_is_fitted_again(clock: _Clock) -> None:
+def test_a_page_that_sends_its_size_late_is_fitted_again(clock: _Clock) -> None:
     cameras, client = opened()
     pass_time(cameras, clock, 0.5)
     first = client.camera.position.copy()
     client.camera.aspect = 0.4
-    client.camera.told(client.camera)  # an echo of what it was told
+    client.camera.callback(client.camera)  # an echo of what was sent
     pass_time(cameras, clock, 3.0)
     assert client.camera.position[2] > 1.5 * first[2]
 
 
 @pytest.mark.parametrize("after", [0.05, 0.5, 1.0, 1.9])
-def test_a_hand_on_the_camera_is_not_undone_by_a_late_fit(clock: _Clock, after: float) -> None:
+def test_a_late_fit_does_not_undo_what_the_user_did(clock: _Clock, after: float) -> None:
     cameras, client = opened()
     pass_time(cameras, clock, after)
     mine = client.camera.position + np.array([0.5, 0.0, -1.0])
@@ -96,9 +96,9 @@ def test_a_hand_on_the_camera_is_not_undone_by_a_late_fit(clock: _Clock, after: 
     np.testing.assert_array_equal(client.camera.position, mine)
 
 
-def test_what_the_page_looked_at_before_it_was_told_is_no_hand(clock: _Clock) -> None:
+def test_the_pages_pose_before_its_first_message_is_not_the_users(clock: _Clock) -> None:
     cameras, client = opened()
-    client.camera.told(client.camera)
+    client.camera.callback(client.camera)
     before = client.camera.position.copy(), client.camera.look_at.copy()
     pass_time(cameras, clock, 0.1)
     client.camera.dragged(*before)
@@ -107,28 +107,28 @@ def test_what_the_page_looked_at_before_it_was_told_is_no_hand(clock: _Clock) ->
     assert client.camera.position[2] > 5.0, "from above"
 
 
-def test_the_third_dimension_stays_when_it_is_asked_for_at_once(clock: _Clock) -> None:
+def test_3d_stays_when_it_is_asked_for_at_once(clock: _Clock) -> None:
     cameras, client = opened()
     pass_time(cameras, clock, 0.1)
-    cameras.tip(client)
+    cameras.tilt(client)
     tipped = client.camera.position.copy()
     pass_time(cameras, clock, 3.0)
     np.testing.assert_array_equal(client.camera.position, tipped)
 
 
-def test_a_following_view_goes_on_from_where_a_hand_left_it(clock: _Clock) -> None:
+def test_a_following_camera_keeps_the_offset_that_the_user_chose(clock: _Clock) -> None:
     cameras, client = opened()
     pass_time(cameras, clock, 0.1)
     cameras.follow(client, 1)
     turned = np.array([1.0, 1.0, 2.0])
     client.camera.dragged(client.camera.look_at + turned, client.camera.look_at)
-    pass_time(cameras, clock, HANDS_OFF_SECONDS + 0.2)
+    pass_time(cameras, clock, HOLD_SECONDS + 0.2)
     np.testing.assert_allclose(client.camera.look_at[:2], POSES[0, :2])
     np.testing.assert_allclose(client.camera.position - client.camera.look_at, turned)
 
 
-def test_a_following_view_does_not_turn_when_the_page_is_slow(clock: _Clock) -> None:
-    """The page's own word, one move old, comes in between the two halves of the next move."""
+def test_a_following_camera_does_not_turn_when_the_page_is_slow(clock: _Clock) -> None:
+    """A message of the page, one move old, comes in between the two halves of the next move."""
     cameras, client = opened()
     pass_time(cameras, clock, 0.1)
     cameras.follow(client)
@@ -151,7 +151,7 @@ def test_a_following_view_does_not_turn_when_the_page_is_slow(clock: _Clock) -> 
     client.camera.__class__ = Interrupted
     moved = POSES + np.array([0.3, 0.0, 0.0])
     cameras.update(SCENARIO, moved)
-    camera.told(camera)
-    clock.now += HANDS_OFF_SECONDS + 0.1
+    camera.callback(camera)
+    clock.now += HOLD_SECONDS + 0.1
     cameras.update(SCENARIO, moved)
     np.testing.assert_allclose(camera.position - camera.look_at, offset)

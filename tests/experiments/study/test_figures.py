@@ -20,6 +20,7 @@ from experiments.study.table import rows
 from experiments.trials.measures import MEASURES
 from experiments.trials.result import TrialResult
 from experiments.trials.trial import SERIES_INTERVAL, Trial
+from formation.arrays import FloatArray
 
 CONTROLLERS: list[Value] = ["nash", "paper", "a third"]
 
@@ -51,7 +52,7 @@ def made_up(of: Study) -> tuple[list[Trial], list[TrialResult]]:
         cell = trial.labels
         size = 1e-3 * (1 + CONTROLLERS.index(cell["who"])) * (1.0 + float(cell["late"])) * (1.0 + 0.01 * trial.seed)
         after = None if cell["who"] == "paper" else size
-        series = size * (1.0 + np.arange(31))
+        series: FloatArray = size * np.arange(1.0, 32.0)
         results.append(TrialResult({"distance_rms_m": size, "recovery_s": after}, "", series))
     return found, results
 

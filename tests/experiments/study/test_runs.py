@@ -177,6 +177,6 @@ def test_a_dask_cluster_of_real_processes_gives_the_same_study(study: Any, refer
     with dask_cluster(tmp_path) as address:
         assert_same(simulated(study, tmp_path / "far", workers=None, cluster=address), reference)
         (wrong, *_) = trials(study)
-        broken = replace(wrong, name="the broken one", overrides={"duration": "soon"})
+        broken = replace(wrong, name="the broken one", scenario={**wrong.scenario, "duration": "soon"})
         with Journal(tmp_path / "broken") as journal, pytest.raises(EchelonError, match="the broken one: duration"):
             pool.finish([broken], journal, pool.cluster(address), lambda *_: None)

@@ -45,7 +45,7 @@ def test_names_and_labels_are_not_part_of_the_key_and_everything_else_is(one: An
     others = [
         replace(one, seed=4),
         replace(one, code="other"),
-        replace(one, overrides={"duration": 1.5}),
+        replace(one, scenario=one.scenario | {"duration": 1.4}),
         replace(one, measurement=replace(KEPT, warmup=0.6)),
         replace(one, measurement=replace(KEPT, gap=False)),
     ]
@@ -95,3 +95,16 @@ def test_rows_after_a_time_include_it_and_a_trial_cut_before_has_its_last(one: A
 def test_a_worker_with_other_code_refuses(one: Any) -> None:
     with pytest.raises(EchelonError, match=f"another version of echelon: expected code other; got {code_version()}"):
         replace(one, code="other").run()
+
+
+def test_a_trial_of_a_file_needs_no_file_any_more(tmp_path: Any) -> None:
+    (tmp_path / "way.csv").write_text("x,y\n0,0\n1,0\n1,1\n0,1\n", encoding="utf-8")
+    (tmp_path / "own.toml").write_text(
+        'name = "own"\n[path]\nkind = "waypoints"\nfile = "way.csv"\nspeed = 0.1\n[formation]\nshape = "triangle"\n',
+        encoding="utf-8",
+    )
+    own = trial("own", str(tmp_path / "own.toml"), {"duration": 1.0}, 0, KEPT)
+    before = own.load()
+    for file in tmp_path.iterdir():
+        file.unlink()
+    assert own.load() == before

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from formation.errors import FaultError
-from formation.faults import Fault, every_link
+from formation.faults import Fault
+from formation.links import LinkId, every_link
 from formation.scenario.files import load
 from network.codec import MAX_BYTES, encode
 from network.control import Compare, FaultTables, GetFaults, Pause, SetFault, operation, request
@@ -106,7 +107,7 @@ def test_a_reset_begins_the_tables_of_faults_anew() -> None:
     times = [at for at, _ in flight.world.faults.since(0)]
     assert times == pytest.approx([0.0, 0.0, 0.5, 0.8, 1.2])
     flight.world.reset()
-    assert flight.world.faults.since(0) == [(0.0, {"3->1": Fault(latency=0.2)})]
+    assert flight.world.faults.since(0) == [(0.0, {LinkId(3, 1): Fault(latency=0.2)})]
 
 
 def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> None:
@@ -136,11 +137,11 @@ def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> 
 def test_a_flight_with_more_changes_than_are_kept_says_so() -> None:
     faults = FaultState(load("triangle-circle"))
     for n in range(KEPT_CHANGES + 2):
-        faults.impose({"1->2": Fault(latency=0.001 * (1 + n % 2))})
+        faults.impose({LinkId(1, 2): Fault(latency=0.001 * (1 + n % 2))})
         faults.update(float(n))
     with pytest.raises(FaultError, match=str(KEPT_CHANGES)):
         faults.since(0)
-    assert faults.since(KEPT_CHANGES + 1) == [(KEPT_CHANGES + 1.0, {"1->2": Fault(latency=0.002)})]
+    assert faults.since(KEPT_CHANGES + 1) == [(KEPT_CHANGES + 1.0, {LinkId(1, 2): Fault(latency=0.002)})]
 
 
 def orders(world: World) -> RunControl:
@@ -157,7 +158,7 @@ def test_the_world_says_which_ghost_is_wanted_and_what_the_faults_were() -> None
     desk.obey(SetFault(link="1->2", changes={"loss": 0.5}))
     told = FaultTables.model_validate(desk.obey(GetFaults()))
     assert (told.episode, told.changes) == (world.episode, 2)
-    assert told.tables == [(0.0, {}), (0.0, {"1->2": Fault(loss=0.5)})]
+    assert told.tables == [(0.0, {}), (0.0, {LinkId(1, 2): Fault(loss=0.5)})]
     assert FaultTables.model_validate(desk.obey(GetFaults(known=1))).tables == told.tables[1:]
     desk.obey(Compare(controller="off"))
     assert desk.compare == ""

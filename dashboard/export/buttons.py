@@ -1,0 +1,98 @@
+"""The export buttons: a replay, the plots as CSV, a picture of the view; each is sent to the page that asked."""
+
+import re
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import imageio.v3 as images
+import numpy as np
+import viser
+
+from dashboard.export.csv_table import as_csv
+from dashboard.export.replay import as_replay
+from dashboard.scene.path_line import path_points
+from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
+from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.palette import Palette
+from network.throttled_log import ThrottledLog
+
+PICTURE_SECONDS = 15.0
+"""How long a page may take to draw its view: one without a graphics card takes seconds."""
+REPLAY, CSV, PICTURE = "Replay", "CSV", "Picture"
+HINT = "The last minutes: a replay that plays in any browser, the plots as numbers, or a picture of the view"
+
+Notify = Callable[[int | None, str, str], None]
+"""(page or None for all, title, text): shows a notice."""
+
+
+class ExportButtons:
+    """Makes files and sends them to the page that asked for them."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        run: str,
+        export_buffer: ExportBuffer,
+        palette: Callable[[], Palette],
+        notify: Notify,
+    ) -> None:
+        """Buttons in the current container of the page."""
+        self._run, self._export_buffer, self._palette, self._notify = run, export_buffer, palette, notify
+        self._snapshot: Snapshot | None = None
+        self._busy = threading.Lock()
+        self._errors = ThrottledLog()
+        group = gui.add_button_group("Export", (REPLAY, CSV, PICTURE), hint=HINT)
+        group.on_click(lambda event: self._export(event.target.value, event.client))
+        for what, icon in ((REPLAY, viser.Icon.MOVIE), (CSV, viser.Icon.CSV), (PICTURE, viser.Icon.PHOTO)):
+            command = gui.add_command(f"Export: {what}", icon=icon)
+            command.on_trigger(lambda event, what=what: self._export(what, event.client))  # type: ignore[misc]
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Take over what is shown now."""
+        self._snapshot = snapshot
+
+    def _export(self, what: str, client: viser.ClientHandle | None) -> None:
+        if client is None:
+            return
+        with self._busy:  # one file at a time, which bounds the memory
+            try:
+                made = self._made(what, client)
+            except Exception:
+                self._errors.add_exception("making a file")
+                made = None
+            if made is None:
+                self._notify(client.client_id, "Nothing to export", "There is no data yet, or the page has no view.")
+            else:
+                client.send_file_download(*made, save_immediately=True)
+
+    def _made(self, what: str, client: viser.ClientHandle) -> tuple[str, bytes] | None:
+        """Name and content of the file."""
+        data, snapshot = self._export_buffer.data(), self._snapshot
+        if data is None or snapshot is None or snapshot.scenario is None or snapshot.scenario.size != data.robots:
+            return None
+        if what == CSV:
+            return file_name(self._run, data, ".csv"), as_csv(data)
+        if what == PICTURE:
+            return file_name(self._run, data, ".png"), self._picture(client)
+        if what == REPLAY:
+            replay = as_replay(self._run, data, snapshot.scenario, path_points(snapshot.scenario), self._palette())
+            return file_name(self._run, data, ".html"), replay
+        return None
+
+    def _picture(self, client: viser.ClientHandle) -> bytes:
+        """The view as this page shows it, on the theme's background."""
+        camera: Any = client.camera
+        drawn = client.get_render(
+            camera.image_height, camera.image_width, transport_format="png", timeout=PICTURE_SECONDS
+        ).astype(float)
+        share = drawn[..., 3:] / 255.0
+        background = np.array([int(self._palette().background[i : i + 2], 16) for i in (0, 2, 4)])
+        flat = drawn[..., :3] * share + background * (1.0 - share)
+        return bytes(images.imwrite("<bytes>", flat.round().astype(np.uint8), extension=".png"))
+
+
+def file_name(run: str, data: ExportData, ending: str) -> str:
+    """Run, scenario, controller and simulated time, in letters that every file system has."""
+    parts = ("echelon", run, data.scenario, data.controller, f"t{data.t[-1]:.1f}s")
+    return "_".join(re.sub(r"[^A-Za-z0-9.-]+", "-", part) for part in parts) + ending

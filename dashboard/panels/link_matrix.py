@@ -1,0 +1,48 @@
+"""The link matrix: the age of the newest plan over every link, and which links are the target of faults."""
+
+from collections.abc import Collection
+
+from dashboard.panels.clickable import Clickable
+from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme import colours
+from dashboard.theme.palette import hue
+from dashboard.theme.templates import render
+from formation.links import LinkId
+
+MATRIX_ROBOTS = 8
+"""With more robots the links are shown as a list."""
+
+
+def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable, target: Collection[str]) -> str:
+    """HTML of the links' ages: sender by row, receiver by column; a list if there are many.
+
+    A click on a cell makes that link the target of faults, on a robot its both links, on the corner all.
+
+    Args:
+        snapshot: what is known.
+        links: of the ring.
+        clickable: takes "link" with a sender, "both" with a robot, "all" with 0.
+        target: names of the links that are the target now; "all" for all of the ring's.
+    """
+    if snapshot.state is None:
+        return ""
+    n = len(snapshot.state.poses)
+    numbers = range(1, n + 1)
+    both = {i: {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))} for i in numbers}
+    return render(
+        "panels/link_matrix.html",
+        numbers=numbers,
+        few=n <= MATRIX_ROBOTS,
+        links={link.id: link for link in links},
+        hues={i: hue(i, n) for i in numbers},
+        colour_of=_colour,
+        target=target,
+        targeted_robots={i for i in numbers if n > 2 and both[i] == set(target)},
+        clickable=clickable,
+    )
+
+
+def _colour(link: LinkView) -> str:
+    """CSS colour of a cell."""
+    return colours.css_health(link.level) if link.age is not None or link.cut else "var(--dark-muted)"

@@ -1,0 +1,70 @@
+"""The table of the Robots tab: a row per robot, with buttons that kill and restart its agent."""
+
+from typing import NamedTuple
+
+from dashboard.panels.clickable import Clickable
+from dashboard.panels.run_summary import lag, robot_label
+from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.formatting import duration
+from dashboard.theme.limits import LAG_LIMIT
+from dashboard.theme.palette import hue
+from dashboard.theme.templates import render
+from network.messages import State, Status
+
+BUTTONS = {"kill": "bad", "restart": "muted"}
+"""Buttons of a row and their colours; of an agent that was killed, restart alone, in green."""
+
+
+class Row(NamedTuple):
+    """One robot."""
+
+    robot: int
+    hue: str
+    agent: str
+    """Health of its agent in a word, or its lag."""
+    level: float
+    """0 is healthy, 1 lost."""
+    process: str
+    link: LinkView
+    """The link to it."""
+    status: Status | None
+    """The newest of this episode."""
+    error: float
+    """Of the distance to the robot upstream [m]."""
+    buttons: dict[str, str]
+    """Verbs and their colours."""
+
+
+def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable) -> str:
+    """HTML of the table.
+
+    Args:
+        snapshot: what is known.
+        links: of the ring, ordered by sender.
+        clickable: takes "focus", "kill" and "restart" with a robot.
+    """
+    state = snapshot.state
+    robots = range(1, 1 + (0 if state is None else len(state.poses)))
+    rows = [_row(state, i, snapshot.statuses.get(i), links[i - 2]) for i in robots if state is not None]
+    return render("panels/robot_table.html", rows=rows, clickable=clickable)
+
+
+def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row:
+    label = robot_label(state, robot)
+    status = status if status is not None and status.episode == state.episode else None
+    level, behind = 0.0 if label == "OK" else 1.0, lag(status, state)
+    agent = "alive" if label == "OK" else label
+    if label == "OK" and behind > LAG_LIMIT:
+        level, agent = 0.5, f"−{' '.join(duration(behind))}"
+    return Row(
+        robot=robot,
+        hue=hue(robot, len(state.poses)),
+        agent=agent,
+        level=level,
+        process=f"process {status.pid}" if status is not None and robot in state.live else "no process",
+        link=link,
+        status=status,
+        error=abs(float(state.distance_errors[robot - 1])),
+        buttons={"restart": "ok"} if robot in state.dismissed else BUTTONS,
+    )

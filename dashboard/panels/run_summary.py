@@ -1,0 +1,103 @@
+"""The summary at the top of the left panel: the run's condition, three numbers, and a chip per robot."""
+
+from typing import NamedTuple
+
+from dashboard.telemetry.links import LOST_SECONDS, LinkView, oldest
+from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.formatting import duration, length
+from dashboard.theme.limits import DISTANCE_LIMIT, LAG_LIMIT, TRACKING_LIMIT
+from dashboard.theme.palette import hue
+from dashboard.theme.templates import render
+from network.messages import State, Status
+
+
+class Condition(NamedTuple):
+    """How the run is."""
+
+    label: str
+    """In a word."""
+    colour: str
+    """Name of the colour of its pill, of the dark theme: ok, warn, bad or muted."""
+    note: str
+    """A sentence more, or empty."""
+
+
+class Tile(NamedTuple):
+    """One of the three numbers."""
+
+    label: str
+    number: str
+    unit: str
+    level: float
+    """0 is healthy, 1 the limit."""
+
+
+def run_summary(snapshot: Snapshot, links: list[LinkView]) -> str:
+    """HTML of the run's condition, its time, the three numbers and a chip per robot."""
+    state = snapshot.state
+    return render(
+        "panels/run_summary.html",
+        condition=condition(snapshot),
+        state=state,
+        world_alive=snapshot.world_alive,
+        tiles=[] if state is None else _tiles(state, links),
+        chips=[] if state is None else _chips(state, links),
+    )
+
+
+def condition(snapshot: Snapshot) -> Condition:
+    """How the run is, as far as the page knows."""
+    state = snapshot.state
+    if not snapshot.connected:
+        return Condition("NO ROUTER", "bad", "The run's router cannot be reached. This page reconnects by itself.")
+    if state is None:
+        return Condition("WAITING", "warn", "Waiting for the first state of this run's world.")
+    if not snapshot.world_alive:
+        return Condition("NO WORLD", "bad", "The world publishes nothing; the page shows its last state and waits.")
+    if state.status == "waiting":
+        robots = ", ".join(str(robot) for robot in state.waiting_for) or "…"
+        return Condition("WAITING", "warn", f"Waiting for the agents of robots {robots}.")
+    if state.status == "finished":
+        return Condition("FINISHED", "muted", "The episode is over. Restart begins a new one.")
+    note, behind = "", max((lag(status, state) for status in snapshot.statuses.values()), default=0.0)
+    if behind > LAG_LIMIT:
+        number, unit = duration(behind)
+        note = f"The robots wait for one another, {number} {unit} behind the clock; rings mark where they should be."
+    if state.waiting_for:
+        note = "No agent for robots " + ", ".join(map(str, state.waiting_for)) + ": they stand still."
+    return Condition("RUNNING", "ok", note) if state.status == "running" else Condition("PAUSED", "warn", note)
+
+
+def lag(status: Status | None, state: State) -> float:
+    """How far a robot is behind the clock by its newest plan [s]; 0 without one of this episode."""
+    plan = status.plan if status is not None else None
+    return plan.lag if plan is not None and plan.episode == state.episode else 0.0
+
+
+def robot_label(state: State, robot: int) -> str:
+    """How a robot is, in a word."""
+    if robot not in state.live:
+        return "KILLED" if robot in state.dismissed else "LOST"
+    return "HELD" if robot in state.stopped else "OK"
+
+
+def _tiles(state: State, links: list[LinkView]) -> list[Tile]:
+    distance = float(abs(state.distance_errors).max())
+    age = oldest(links)
+    return [
+        Tile("DIST ERR", *length(distance), distance / DISTANCE_LIMIT),
+        Tile("TRACK", *length(state.tracking_error), state.tracking_error / TRACKING_LIMIT),
+        Tile("OLDEST PLAN", *duration(age), age / LOST_SECONDS),
+    ]
+
+
+def _chips(state: State, links: list[LinkView]) -> list[tuple[str, str, float]]:
+    """Of every robot: hue, text and health level; a healthy robot has the level of the link to it."""
+    n = len(state.poses)
+    chips = []
+    for robot in range(1, n + 1):
+        label = robot_label(state, robot)
+        healthy = label == "OK"
+        text = f"R{robot}" if healthy else f"R{robot} {label}"
+        chips.append((hue(robot, n), text, links[robot - 2].level if healthy else 1.0))
+    return chips

@@ -1,0 +1,85 @@
+"""The view folder: camera, theme, the robot that is followed, and the scene's layers."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import viser
+
+from dashboard.panels.mirrored_controls import set_options
+from dashboard.scene.cameras import Cameras
+from dashboard.scene.scene import LAYERS, Scene
+from dashboard.theme.palette import DARK, LIGHT, Palette
+from dashboard.theme.templates import render
+from network.messages import State
+
+NOBODY = "none"
+HOTKEYS = {"Fit": "F", "3D": "D", "Follow": "G"}
+"""The camera's buttons, and their keys."""
+
+
+class ViewPanel:
+    """Controls of what is drawn and from where, in the current container of the page."""
+
+    def __init__(
+        self, gui: viser.GuiApi, cameras: Cameras, scene: Scene, on_palette: Callable[[Palette], None]
+    ) -> None:
+        """Add the folder.
+
+        Args:
+            gui: of the page.
+            cameras: of all pages.
+            scene: whose layers and chosen robot are set.
+            on_palette: a user chose this theme, for all pages.
+        """
+        self._cameras, self._scene = cameras, scene
+        with gui.add_folder("View"):
+            camera = gui.add_button_group("Camera", tuple(HOTKEYS))
+            light = gui.add_checkbox("Light", False, hint="Light instead of dark, on every page of this run")
+            self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
+            gui.add_html(render("panels/legend.html"))
+            with gui.add_folder("Layers", expand_by_default=False):
+                for name in LAYERS:
+                    box = gui.add_checkbox(name, True)
+                    box.on_update(partial(self._show_layer, name))
+        light.on_update(lambda event: on_palette(LIGHT if event.target.value else DARK))
+        camera.on_click(lambda event: self._move_camera(event.target.value, event))
+        self._focus.on_update(self._focus_chosen)
+        for name, key in HOTKEYS.items():
+            command = gui.add_command(f"View: {name}", hotkey=key, icon=viser.Icon.CAMERA)  # type: ignore[arg-type]
+            command.on_trigger(partial(self._move_camera, name))
+
+    def draw(self, state: State) -> None:
+        """Offer the robots of this state."""
+        set_options(self._focus, (NOBODY, *(f"Robot {i}" for i in range(1, len(state.poses) + 1))))
+
+    def focus_on(self, client: viser.ClientHandle, robot: int) -> None:
+        """Outline a robot on all pages, and follow it on this one."""
+        name = f"Robot {robot}"
+        if name in self._focus.options:
+            self._scene.focus, self._focus.value = robot, name
+            self._cameras.follow(client, robot)
+
+    def _focus_chosen(self, event: viser.GuiEvent[Any]) -> None:
+        name = event.target.value
+        if event.client is None or name not in self._focus.options:  # a page may send anything
+            return
+        self._scene.focus = None if name == NOBODY else int(name.split()[-1])
+        if self._scene.focus is None:
+            self._cameras.release(event.client)
+        else:
+            self._cameras.follow(event.client, self._scene.focus)
+
+    def _show_layer(self, name: str, event: viser.GuiEvent[Any]) -> None:
+        self._scene.show_layer(name, bool(event.target.value))
+
+    def _move_camera(self, button: str, event: Any) -> None:
+        if event.client is None:
+            return
+        if button == "3D":
+            self._cameras.tilt(event.client)
+        elif button == "Follow":
+            self._cameras.follow(event.client)
+        else:
+            self._cameras.fit(event.client)
+            self._scene.focus, self._focus.value = None, NOBODY

@@ -1,0 +1,92 @@
+"""Directed links by their two ends, and which links a formation has. Text such as "1->2" is parsed here only."""
+
+import re
+from typing import NamedTuple, Self
+
+from formation.errors import FaultError, unknown
+from formation.pattern import downstream, upstream
+
+WORLD = 0
+"""Number of the world as an end of a link; robots count from 1."""
+_END = r"(world|[1-9][0-9]?)"
+_LINK = re.compile(rf"{_END}->{_END}")
+_NAME = "world"
+
+
+class LinkId(NamedTuple):
+    """A directed link. Its text is "1->2", "world->1" (poses) or "1->world" (commands)."""
+
+    sender: int
+    receiver: int
+
+    def __str__(self) -> str:
+        return f"{_text(self.sender)}->{_text(self.receiver)}"
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """The link of this text; spaces and an arrow sign are forgiven.
+
+        Raises:
+            FaultError: the text does not name a link.
+        """
+        found = _LINK.fullmatch(re.sub(r"\s*(->|→)\s*", "->", text.strip()))
+        if found is None or found[1] == found[2]:
+            raise FaultError(f"expected a link such as 1->2, world->1 or 1->world; got {text!r:.40}")
+        return cls(_number(found[1]), _number(found[2]))
+
+    @classmethod
+    def plans_to(cls, robot: int, robots: int) -> Self:
+        """The link over which a robot receives plans, in a ring of so many."""
+        return cls(upstream(robot, robots), robot)
+
+    @classmethod
+    def plans_from(cls, robot: int, robots: int) -> Self:
+        """The link over which a robot sends plans, in a ring of so many."""
+        return cls(robot, downstream(robot, robots))
+
+    @classmethod
+    def poses_to(cls, robot: int) -> Self:
+        """The link over which a robot receives its measured pose."""
+        return cls(WORLD, robot)
+
+    @classmethod
+    def commands_from(cls, robot: int) -> Self:
+        """The link over which a robot sends its commands."""
+        return cls(robot, WORLD)
+
+
+def _text(end: int) -> str:
+    return _NAME if end == WORLD else str(end)
+
+
+def _number(end: str) -> int:
+    return WORLD if end == _NAME else int(end)
+
+
+def plan_links(robots: int) -> list[LinkId]:
+    """The ring's directed links, in the order of their senders: 1->2, 2->3, ..."""
+    return [LinkId.plans_from(robot, robots) for robot in range(1, robots + 1)]
+
+
+def every_link(robots: int) -> list[LinkId]:
+    """All links that can be given a fault: the ring, and each robot's poses and commands."""
+    own = [link for robot in range(1, robots + 1) for link in (LinkId.poses_to(robot), LinkId.commands_from(robot))]
+    return plan_links(robots) + own
+
+
+def links_named(name: str, robots: int) -> list[LinkId]:
+    """The links that `name` stands for: itself, or the ring's for "all".
+
+    Raises:
+        FaultError: there is no such link; the text lists them.
+    """
+    if name.strip() == "all":
+        return plan_links(robots)
+    links = every_link(robots)
+    try:
+        link = LinkId.parse(name)
+    except FaultError:
+        link = None
+    if link not in links:
+        raise FaultError(unknown("link", str(link or name), ["all", *map(str, links)]))
+    return [link]

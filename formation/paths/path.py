@@ -1,0 +1,33 @@
+"""What every reference path has, and its heading as the paper samples it."""
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.schema import Model
+
+
+class Path(Model):
+    """What every path has."""
+
+    @property
+    def period(self) -> float | None:
+        """Time after which the path repeats [s]; None for an open path."""
+        return None
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Where its heading jumps: times [s] and turns [rad], counter-clockwise positive."""
+        return ()
+
+    def position(self, t: FloatArray) -> FloatArray:
+        """Positions at times t [s], of shape t.shape + (2,) [m]. Defined for negative t too."""
+        raise NotImplementedError
+
+
+def heading(path: Path, t: FloatArray, interval: float) -> FloatArray:
+    """Heading of the path as the paper samples it (below eq. 2): the direction of the last interval.
+
+    theta_r(t) = atan2(p_r(t) - p_r(t - interval)) [rad], of the shape of t.
+    """
+    step = path.position(t) - path.position(t - interval)
+    return np.arctan2(step[..., 1], step[..., 0])

@@ -1,0 +1,233 @@
+"""What a process needs of a network: the Bus, what comes in over it, and what a node may have sent.
+
+A node (agents/node.py, world/node.py, runtime/ghost/node.py) does no I/O. Its process is a loop of three steps: take
+the arrivals from the bus, feed them to the node, perform the actions that the node returns. There are two buses:
+network/zenoh_bus.py between processes, and network/memory_bus.py inside one.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from queue import Empty, SimpleQueue
+from time import monotonic
+from types import TracebackType
+from typing import NamedTuple, Protocol, Self
+
+from network.codec import decode
+from network.control import GetSetup, Operation, request
+from network.messages import Message, Reply, Request, Setup
+
+MAX_ARRIVALS = 1000
+"""Arrivals that are taken at a time, so that a flood does not keep a process from its work."""
+
+
+class Sample(NamedTuple):
+    """A payload that somebody published."""
+
+    key: str
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """A payload that waits for an answer; `answer` may be called from any thread, once."""
+
+    payload: bytes
+    answer: Callable[[bytes], None]
+
+
+class Response(NamedTuple):
+    """The answer to a request that was sent with `Bus.request`."""
+
+    request: Request
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Presence:
+    """A process has come or gone."""
+
+    role: str
+    number: int
+    here: bool
+
+
+class Connection(NamedTuple):
+    """The link between this process and the router came up or went down."""
+
+    up: bool
+
+
+class Wake:
+    """Put into an inbox to wake its reader."""
+
+
+Incoming = Sample | Query | Response | Presence | Connection | Wake
+
+
+class Subscribe(NamedTuple):
+    """Samples on this key expression shall arrive."""
+
+    key: str
+
+
+class Unsubscribe(NamedTuple):
+    """Samples on this key expression shall no longer arrive."""
+
+    key: str
+
+
+class Appear(NamedTuple):
+    """Be seen as alive from now on."""
+
+    role: str
+    number: int = 0
+
+
+class Publish(NamedTuple):
+    """Send a message to whoever subscribes to the key."""
+
+    key: str
+    message: Message
+
+
+class Ask(NamedTuple):
+    """Send a request to the world; what it answers arrives as a Response, or never."""
+
+    request: Request
+
+
+class Respond(NamedTuple):
+    """Answer a query."""
+
+    query: Query
+    payload: bytes
+
+
+Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Appear
+
+
+class Kept(Protocol):
+    """Samples that wait until somebody looks; those that nobody looks at in time are overwritten."""
+
+    def take(self) -> Iterator[Sample]:
+        """Everything that has come in since the last look, oldest first."""
+
+
+class Bus(Protocol):
+    """A process's place on the network of a run. Use as a context manager.
+
+    The order of arrivals is the order in `inbox`. A bus may lose, double, delay and reorder samples, requests and
+    responses. Presence and Connection arrive in order and are not lost: they are states, and a bus repeats them.
+    """
+
+    run: str
+    """Name of the run."""
+    inbox: SimpleQueue[Incoming]
+    """What has arrived; read it with `arrivals`."""
+
+    @property
+    def connected(self) -> bool:
+        """Whether there is a link to the router now."""
+
+    def subscribe(self, key: str) -> None:
+        """Samples on this key expression arrive from now on."""
+
+    def unsubscribe(self, key: str) -> None:
+        """No more samples on this key expression, which was subscribed to before."""
+
+    def keep(self, key: str, depth: int) -> Kept:
+        """Samples on this key expression are kept outside the inbox from now on, the newest `depth` of them."""
+
+    def announce(self, key: str, *, reliable: bool = False) -> None:
+        """Prepare to publish on `key`, so that the first message finds its subscribers.
+
+        Args:
+            key: a key without wildcards.
+            reliable: wait for a slow subscriber rather than drop.
+        """
+
+    def publish(self, key: str, message: Message) -> None:
+        """Send a message, on an announced key, to whoever subscribes."""
+
+    def serve(self, key: str) -> None:
+        """Queries on this key arrive from now on."""
+
+    def request(self, message: Request) -> None:
+        """Ask the world of this run without waiting; its answer arrives as a Response, or never."""
+
+    def fetch(self, message: Request, timeout: float) -> bytes | None:
+        """Ask the world of this run and wait. None if nobody answers within `timeout` [s]."""
+
+    def appear(self, role: str, number: int = 0) -> None:
+        """Be seen as alive until this bus closes or its process dies."""
+
+    def watch(self) -> None:
+        """Presence of this run's processes and the state of the Connection arrive, now and whenever they change."""
+
+    def close(self) -> None:
+        """Leave the network."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def arrivals(self, seconds: float = 0.0) -> list[Incoming]:
+        """What has come in, oldest first; if nothing has, wait at most so long [s] for something."""
+        inbox = self.inbox
+        try:
+            found = [inbox.get(timeout=seconds) if seconds > 0.0 else inbox.get_nowait()]
+        except Empty:
+            return []
+        while len(found) < MAX_ARRIVALS and not inbox.empty():  # only this process's loop takes from the inbox
+            found.append(inbox.get_nowait())
+        return found
+
+    def incoming(self, seconds: float) -> Iterator[Incoming]:
+        """What comes in within so long [s], as it comes; the reader may stop earlier."""
+        until = monotonic() + seconds
+        while (left := until - monotonic()) > 0.0:
+            yield from self.arrivals(left)
+
+    def wake(self) -> None:
+        """Wake whoever waits for arrivals; safe in a signal handler."""
+        self.inbox.put(Wake())
+
+    def ask(self, what: Operation | Request, *, timeout: float = 2.0) -> Reply | None:
+        """Ask the world of this run. None if nobody answers within `timeout` [s].
+
+        Raises:
+            WireError: the answer is not a Reply.
+        """
+        payload = self.fetch(what if isinstance(what, Request) else request(what), timeout)
+        return None if payload is None else decode(Reply, payload)
+
+    def setup(self, *, timeout: float = 1.0) -> Setup | None:
+        """What the world of this run simulates. None if nobody answers within `timeout` [s].
+
+        Raises:
+            WireError: the answer is not a Setup.
+        """
+        payload = self.fetch(request(GetSetup()), timeout)
+        return None if payload is None else decode(Setup, payload)
+
+
+def perform(bus: Bus, actions: Iterable[Action]) -> None:
+    """Do what a node wants done, in order."""
+    for action in actions:
+        match action:
+            case Publish(key, message):
+                bus.publish(key, message)
+            case Ask(message):
+                bus.request(message)
+            case Respond(query, payload):
+                query.answer(payload)
+            case Subscribe(key):
+                bus.subscribe(key)
+            case Unsubscribe(key):
+                bus.unsubscribe(key)
+            case Appear(role, number):
+                bus.appear(role, number)

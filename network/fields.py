@@ -1,0 +1,67 @@
+"""Types of the fields of messages: what decoding accepts, and refuses, of untrusted bytes."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import ConfigDict, Field, PlainValidator
+
+from formation.arrays import FloatArray
+from formation.errors import FaultError
+from formation.links import LinkId
+from formation.schema import MAX_SCENARIO
+
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
+"""Of every message: no other fields, no infinities."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayOf:
+    """Accepts the little-endian float64 bytes of an array; gives it finite and read-only."""
+
+    columns: int | None = None
+    """None for an array of one dimension, of any length."""
+    rows: int | None = None
+    """None for one or more; with 1 the array has one dimension."""
+
+    def __call__(self, data: object) -> FloatArray:
+        columns = self.columns or 1
+        if not isinstance(data, bytes) or len(data) % (8 * columns) or (self.columns and not data):
+            raise ValueError(f"expected bytes of {columns} float64 columns")
+        array = np.frombuffer(data, dtype="<f8")
+        if not np.isfinite(array).all():
+            raise ValueError("expected finite numbers")
+        if self.rows is not None and array.size != self.rows * columns:
+            raise ValueError(f"expected {self.rows * columns} numbers; got {array.size}")
+        return array if self.columns is None or self.rows == 1 else array.reshape(-1, columns)
+
+
+def _link(data: object) -> LinkId:
+    if isinstance(data, LinkId):
+        return data
+    if not isinstance(data, str):
+        raise ValueError("expected the name of a link")
+    try:
+        return LinkId.parse(data)
+    except FaultError as error:
+        raise ValueError(str(error)) from None
+
+
+Link = Annotated[LinkId, PlainValidator(_link)]
+"""A directed link; on the wire its text."""
+Poses = Annotated[FloatArray, PlainValidator(ArrayOf(3))]
+"""(n, 3) [m, m, rad]."""
+Pose = Annotated[FloatArray, PlainValidator(ArrayOf(3, 1))]
+"""(3,) [m, m, rad]."""
+Inputs = Annotated[FloatArray, PlainValidator(ArrayOf(2))]
+"""(N, 2) v, omega [m/s, rad/s]."""
+Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
+"""(n,)."""
+Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
+Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
+Real = Annotated[float, Field(strict=True)]
+Positive = Annotated[float, Field(strict=True, gt=0.0)]
+NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
+Text = Annotated[str, Field(strict=True, max_length=65536)]
+LongText = Annotated[str, Field(strict=True, max_length=MAX_SCENARIO)]
+Flag = Annotated[bool, Field(strict=True)]

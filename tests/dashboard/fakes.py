@@ -1,0 +1,87 @@
+"""A world, a bus, a ghost and exported data, as a test needs them."""
+
+import numpy as np
+
+from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
+from dashboard.telemetry.history import History
+from dashboard.telemetry.links import ring_links
+from dashboard.telemetry.subscriber import TelemetrySubscriber
+from formation.scenario.files import load
+from network import topics
+from network.bus import Incoming, Query, Sample
+from network.codec import decode, encode
+from network.control import Operation, operation
+from network.memory_bus import MemoryBus, MemoryHub
+from network.messages import Ghost, Reply, Request, Setup, State
+from tests.builders import state
+
+
+def world(reply: Reply | None) -> tuple[MemoryBus, list[Operation]]:
+    """A bus on which a world replies so, or not at all; and the operations it was asked for."""
+    hub, asked = MemoryHub(), list[Operation]()
+    served = hub.join("x")
+    served.serve(topics.control("x"))
+
+    def react(item: Incoming) -> None:
+        assert isinstance(item, Query)
+        asked.append(operation(decode(Request, item.payload)))
+        if reply is not None:
+            item.answer(encode(reply))
+
+    served.react = react
+    return hub.join("x"), asked
+
+
+class FakeTelemetry:
+    """Never has another scenario."""
+
+    def update_scenario(self) -> None:
+        pass
+
+
+def bus() -> MemoryBus:
+    """A bus on which a world replies with its setup."""
+    hub = MemoryHub()
+    served = hub.join("x")
+    served.serve(topics.control("x"))
+    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+    served.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
+    return hub.join("x")
+
+
+def receive(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
+    """Give it a payload; returns whether it was stored, not rejected."""
+    before = telemetry._rejects.count
+    telemetry._take(Sample(key, payload))
+    return telemetry._rejects.count == before
+
+
+def kept(*states: State) -> ExportData:
+    """What the export buffer holds after these states."""
+    export_buffer = ExportBuffer()
+    for each in states:
+        export_buffer.add(each, ring_links(each, {}), {})
+    found = export_buffer.data()
+    assert found is not None
+    return found
+
+
+def ghost(stamp: float, *, episode: int = 0, controller: str = "paper", error: float = 0.01) -> Ghost:
+    """Robots that drive along x at 1 m/s and turn over the cut of the angle."""
+    poses = np.stack([[stamp, float(i), (stamp + np.pi) % (2.0 * np.pi) - np.pi] for i in range(3)])
+    return Ghost(0, 1, stamp, episode, controller, poses, np.full(3, error), np.zeros(3), error)
+
+
+def beside(stamp: float, **changes: object) -> State:
+    """The state while the ghost is asked for."""
+    return state(stamp=stamp, compare="paper", **changes)  # type: ignore[arg-type]
+
+
+def compared(live: float, other: float, seconds: float = 30.0) -> History:
+    """A history of a run and a ghost with constant errors [m]."""
+    history = History()
+    for i in range(int(20 * seconds)):
+        now = beside(0.05 * i, distance_errors=np.full(3, live), tracking_error=live)
+        history.ghost.update(now, [ghost(0.05 * i, error=other)])
+        history.add(now, [], {})
+    return history

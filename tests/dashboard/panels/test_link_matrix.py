@@ -1,0 +1,42 @@
+"""Laws of the link matrix: every link of the ring once, its health in a word, and the target marked."""
+
+import re
+from unittest.mock import MagicMock
+
+import pytest
+
+from dashboard.panels.clickable import Clickable
+from dashboard.panels.link_matrix import MATRIX_ROBOTS, link_matrix
+from dashboard.telemetry.links import ring_links
+from dashboard.telemetry.subscriber import Snapshot
+from formation.faults import Fault
+from formation.links import LinkId
+from tests.builders import state, status
+
+
+def matrix(robots: int, target: tuple[str, ...] = ("all",), **changes: object) -> str:
+    now = state(robots, **changes)  # type: ignore[arg-type]
+    statuses = {i: status(i, (i - 2) % robots + 1, age=0.05) for i in range(1, robots + 1)}
+    clickable = Clickable(MagicMock(), lambda *_: None)
+    clickable.set_verbs({"all": 0, "link": robots, "both": robots})
+    snapshot = Snapshot(now, None, statuses, now.poses, now.stamp, (), world_alive=True, connected=True)
+    return link_matrix(snapshot, ring_links(now, statuses), clickable, target)
+
+
+@pytest.mark.parametrize("robots", [2, 3, MATRIX_ROBOTS, MATRIX_ROBOTS + 1, 40])
+def test_every_link_of_the_ring_is_there_once_and_can_be_clicked(robots: int) -> None:
+    html = matrix(robots)
+    assert re.findall(r'aria-label="link (\d+)"', html) == [str(i) for i in range(1, robots + 1)]
+    assert html.count("50 ms") == robots
+
+
+def test_a_cut_link_says_so() -> None:
+    html = matrix(3, faults={LinkId(1, 2): Fault(cut=True)})
+    assert html.count("CUT 50 ms") == 1
+
+
+def test_the_target_is_marked() -> None:
+    assert matrix(3).count("e-target") == 1
+    assert matrix(3, ("2->3",)).count("e-target") == 1
+    assert matrix(3, ("1->2", "2->3")).count("e-target") == 3, "both links and their robot"
+    assert matrix(3, ()).count("e-target") == 0

@@ -1,0 +1,60 @@
+"""What a machine may lack. With CI set, a test that needs something absent fails, but for one table of exceptions."""
+
+import importlib.util
+import os
+import shutil
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """Something outside the repository that tests use."""
+
+    there: Callable[[], bool]
+    """Whether this machine has it."""
+    advice: str
+    """How to get it."""
+
+
+def package(name: str) -> Callable[[], bool]:
+    """Whether a Python package can be imported."""
+    return lambda: importlib.util.find_spec(name) is not None
+
+
+CHROMIUM = "/usr/bin/chromium"
+
+
+def chromium() -> str | None:
+    """The browser's path."""
+    return shutil.which("chromium") or (CHROMIUM if os.path.exists(CHROMIUM) else None)
+
+
+NEEDS = {
+    "chromium": Need(lambda: chromium() is not None, "apt-get install chromium"),
+    "playwright": Need(package("playwright"), "pip install -e .[test]"),
+    "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
+    "distributed": Need(package("distributed"), "pip install -e .[cluster]"),
+}
+"""By name."""
+
+EXCEPTIONS = {
+    "distributed": "an extra of 38 MB for studies on a cluster, which the test command does not install",
+}
+"""What may be absent even with CI set, and why."""
+
+
+def needs(*names: str) -> None:
+    """Skip the test if this machine lacks something that it needs; with CI set, fail it unless that is an exception."""
+    for name in names:
+        if NEEDS[name].there():
+            continue
+        text = f"needs {name} ({NEEDS[name].advice})"
+        if name in EXCEPTIONS:
+            pytest.skip(f"{text}; {EXCEPTIONS[name]}")
+        if os.environ.get("CI"):
+            pytest.fail(f"with CI set: {text}")
+        pytest.skip(text)

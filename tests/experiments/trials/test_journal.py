@@ -9,7 +9,11 @@ from hypothesis import strategies as st
 from experiments.trials.journal import NAME, Journal
 from formation.errors import EchelonError
 
-RESULTS: dict[str, dict[str, Any]] = {"a": {"values": {"x": 1.5}}, "b": {"values": {"x": None}}, "c": {"values": {"x": 1e-300}}}
+RESULTS: dict[str, dict[str, Any]] = {
+    "a": {"values": {"x": 1.5}},
+    "b": {"values": {"x": None}},
+    "c": {"values": {"x": 1e-300}},
+}
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from formation.errors import WireError
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
 from formation.pattern import upstream
-from formation.scenario.registry import AGEING
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
@@ -62,7 +62,7 @@ class Agent:
         self._controller = controller or controller_for(scenario, robot, self._pair)
         self._ages = scenario.controller.age_plans
         if self._ages is None:
-            self._ages = scenario.controller.name in AGEING
+            self._ages = spec_of(scenario.controller).ages_plans
         self._belief = Belief()
         self._plans: Link[Plan] = Link(scenario.seed, LinkId.plans_to(robot, scenario.size), scenario.link)
         self._poses: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
@@ -131,7 +131,9 @@ class Agent:
             )
         v, omega = self._input(k)
         self._commands.append((k, v, omega))
-        return Answer(Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve), plan)
+        return Answer(
+            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
+        )
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
@@ -152,7 +154,13 @@ class Agent:
             gap=self._gap(k, stamp),
             rejected=rejected,
             pid=pid,
+            converged=self._converged,
         )
+
+    @property
+    def _converged(self) -> bool:
+        """Whether the newest plan is the solver's, not a fallback."""
+        return self._last is None or self._last[1].converged
 
     def counts(self) -> LinkCounts:
         """Counts of the plans sent to this robot."""

@@ -39,7 +39,7 @@ Job = tuple[str, tuple[str, ...], float]
 
 
 def main() -> None:
-    """Fly everything and print a table."""
+    """Simulate everything and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--json", action="store_true")

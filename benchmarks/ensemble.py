@@ -1,4 +1,4 @@
-"""A world whose minds are in its own process: what the page of a large formation hears, on a machine with few cores.
+"""A world with its agents in its own process: what the page of a large formation receives, on a machine with few cores.
 
 python -m benchmarks.ensemble --run NAME --connect ENDPOINT --scenario NAME [--set KEY=VALUE] [--endless]
 
@@ -26,19 +26,19 @@ from world.world import World
 
 
 class Ensemble(ZenohBus):
-    """The world's place on the network, with every mind behind it."""
+    """The world's place on the network, with every agent behind it."""
 
     def __init__(self, endpoint: str, run: str) -> None:
         super().__init__(endpoint, run)
         self.world: World | None = None
         self._agents: dict[int, Agent] = {}
         self._announced: set[int] = set()
-        self._flown: tuple[int, int] | None = None
+        self._setup: tuple[int, int] | None = None
         self._before: dict[int, Answer] = {}
         self._status_due = 0.0
 
     def gather(self, world: World) -> None:
-        """Every mind of the world's scenario is here."""
+        """Every agent of the world's scenario is here."""
         self.world = world
         for robot in set(world.robots) - self._announced:
             self._announced.add(robot)
@@ -55,12 +55,12 @@ class Ensemble(ZenohBus):
     def _answer(self, tick: Tick) -> None:
         world = self.world
         assert world is not None
-        if self._flown is None or self._flown[0] != tick.episode:
+        if self._setup is None or self._setup[0] != tick.episode:
             self.gather(world)
             self._agents = {robot: Agent(world.scenario, robot, episode=tick.episode) for robot in world.robots}
             self._before = {}
-        if self._flown != (tick.episode, tick.revision):
-            self._flown = tick.episode, tick.revision
+        if self._setup != (tick.episode, tick.revision):
+            self._setup = tick.episode, tick.revision
             for agent in self._agents.values():
                 agent.set_faults(world.faults.table)
         for robot, answer in self._before.items():
@@ -76,7 +76,7 @@ class Ensemble(ZenohBus):
 
 
 def main() -> int:
-    """Fly until told to end."""
+    """Run until the process is asked to end."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--run", required=True)
     parser.add_argument("--connect", required=True)

@@ -1,4 +1,4 @@
-"""Real time on this machine: missed ticks, memory per agent, and the time from the command to flying.
+"""Real time on this machine: missed ticks, memory per agent, and the time from the command to the first tick.
 
 python benchmarks/realtime.py [--robots 8] [--seconds 60] [--json]
 """
@@ -42,7 +42,7 @@ def main() -> None:
     if options.json:
         print(json.dumps(figures))
         return
-    print(f"up with three robots is flying {figures['start_s']:.2f} s after the command")
+    print(f"up with three robots is running {figures['start_s']:.2f} s after the command")
     print(
         f"real time, {options.robots} agents at 100 Hz for {options.seconds:g} s: "
         f"{figures['missed_share']:.3%} of ticks missed "
@@ -74,7 +74,7 @@ def _real_time(robots: int, seconds: float) -> dict[str, float]:
         while _state().get("status") != "running":
             time.sleep(0.2)
         first = _state()
-        print(f"flying for {seconds:g} s ...", file=sys.stderr, flush=True)
+        print(f"running for {seconds:g} s ...", file=sys.stderr, flush=True)
         memory = []
         for _ in range(3):
             time.sleep(seconds / 3)

@@ -2,10 +2,10 @@
 
 python -m benchmarks.soak [--minutes 20] [--robots 20] [--size 1280x720] [--compare CONTROLLER] [--json]
 
-The minds of the run share one process (benchmarks/ensemble.py), so that a machine with few cores has time left for what
-is measured: the dashboard's process, with its page open in a headless chromium without a graphics card. Its load is
-told in processor time (user and system), which other jobs on the machine disturb little; frames per second are of the
-wall clock, and do suffer.
+The agents of the run share one process (benchmarks/ensemble.py), so that a machine with few cores has time left for
+what is measured: the dashboard's process, with its page open in a headless chromium without a graphics card. Its load
+is told in processor time (user and system), which other jobs on the machine disturb little; frames per second are of
+the wall clock, and do suffer.
 """
 
 import argparse

@@ -1,55 +1,177 @@
-"""How fast it is: both engines on the same flight in turn, and the time per plan.
+"""How fast it is beside another checkout: both in turn, on one machine, in one go.
 
-python benchmarks/speed.py [--rounds 3] [--json]
+python benchmarks/speed.py --against PATH [--rounds 7] [--json FILE]
+
+Each round runs every measurement in both checkouts, which begins by turns. Figures of one round are a pair: both
+saw the same load, so their ratio says more than either. Checkouts are driven by their command line, and the time of a
+solve is what their runs report; they may therefore differ in anything but that.
 """
 
 import argparse
 import json
+import math
+import os
 import statistics
 import subprocess
 import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
-FLIGHT = ("triangle-circle", "--duration", "40", "--json")
-ENGINES = ("inprocess", "processes")
+HERE = Path(__file__).parents[1]
+BOUND = 1.05
+"""The time that this checkout may take for each measurement, as a share of the other's (median of the rounds)."""
+SEEDS = (1, 2, 3)
+"""Of the runs, by turns."""
+NOISE = ("noise.slip=0.2", "noise.gyro=0.2", "link.latency=0.3", "link.loss=0.3")
+"""So that no robot is at rest in its slot."""
+TICK = 0.01
+"""delta_t of the scenarios below [s]."""
+MEASUREMENTS: dict[str, Callable[["Checkout", int], dict[str, float]]] = {}
+"""Time [s] of each figure, by name, of one checkout and seed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checkout:
+    """A folder with sources, and where its kernels are kept."""
+
+    path: Path
+    cache: Path
+
+    def call(self, *arguments: str) -> tuple[str, float]:
+        """Output and duration [s] of one command."""
+        threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+        environment = {**os.environ, "PYTHONPATH": str(self.path), "ECHELON_CACHE": str(self.cache), **threads}
+        command = [sys.executable, "-m", "cli.main", *arguments]
+        began = time.perf_counter()
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=self.path)
+        if done.returncode:
+            raise SystemExit(f"{self.path}: {' '.join(command)}: {done.stderr.strip()}")
+        return done.stdout, time.perf_counter() - began
+
+    def run(self, scenario: str, seed: int, duration: float, *more: str) -> dict[str, Any]:
+        """Summary of one run; `wall` is added, how long the command took as a whole [s]."""
+        options = [f"--set={setting}" for setting in (f"seed={seed}", *NOISE)]
+        text, wall = self.call("run", scenario, "--duration", f"{duration:g}", "--json", *options, *more)
+        return {**json.loads(text), "wall": wall}
+
+    def commit(self) -> str:
+        """Of the sources; with a mark if they were edited since."""
+        command = ["git", "-C", str(self.path), "describe", "--always", "--dirty", "--abbrev=12"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        return done.stdout.strip() or "no repository"
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One measurement of both checkouts."""
+
+    name: str
+    ours: float
+    """Median time [s]."""
+    theirs: float
+    ratio: float
+    """Median over the rounds of ours / theirs; above `BOUND` this checkout is too slow."""
+    low: float
+    """The smallest and the largest ratio."""
+    high: float
+
+    @classmethod
+    def of(cls, name: str, pairs: list[tuple[float, float]]) -> "Figure":
+        """From (ours, theirs) of every round."""
+        ratios = [ours / theirs for ours, theirs in pairs]
+        medians = [statistics.median(side) for side in zip(*pairs, strict=True)]
+        return cls(name, medians[0], medians[1], statistics.median(ratios), min(ratios), max(ratios))
+
+
+def _in_process(scenario: str, duration: float, *more: str) -> Callable[[Checkout, int], dict[str, float]]:
+    def measure(checkout: Checkout, seed: int) -> dict[str, float]:
+        found = checkout.run(scenario, seed, duration, "--engine", "inprocess", *more)
+        ticks = round(duration / TICK)
+        return {"tick": found["wall_s"] / ticks, "solve": found["solve_s"]["median"]}
+
+    return measure
+
+
+def _lockstep(checkout: Checkout, seed: int) -> dict[str, float]:
+    """The slope between a short and a long run: starting is not part of a tick."""
+    short, long = (checkout.run("triangle-circle", seed, t, "--engine", "processes") for t in (5.0, 25.0))
+    return {"tick": (long["wall_s"] - short["wall_s"]) / round(20.0 / TICK), "start": short["wall"] - short["wall_s"]}
+
+
+def _start(checkout: Checkout, seed: int) -> dict[str, float]:
+    return {
+        "run": checkout.run("circle", seed, 0.1, "--engine", "inprocess")["wall"],
+        "help": checkout.call("--help")[1],
+    }
+
+
+MEASUREMENTS |= {
+    "in process, 3 robots": _in_process("triangle-circle", 20.0),
+    "in process, 8 robots": _in_process("ring-16", 10.0, "--set=formation.robots=8"),
+    "in process, 16 robots": _in_process("ring-16", 5.0),
+    "lockstep, 3 processes": _lockstep,
+    "start": _start,
+}
+
+
+def measure(ours: Checkout, theirs: Checkout, rounds: int, only: str) -> list[Figure]:
+    """Every measurement of both, `rounds` times in turn."""
+    pairs: dict[str, list[tuple[float, float]]] = {}
+    wanted = {name: call for name, call in MEASUREMENTS.items() if only in name}
+    for checkout in (ours, theirs):
+        checkout.run("circle", SEEDS[0], 0.1, "--engine", "inprocess")  # compiles the kernels
+    for done in range(rounds):
+        seed = SEEDS[done % len(SEEDS)]
+        for name, call in wanted.items():
+            print(f"round {done + 1} of {rounds}: {name}", file=sys.stderr, flush=True)
+            order = (ours, theirs) if done % 2 == 0 else (theirs, ours)
+            found = {checkout.path: call(checkout, seed) for checkout in order}
+            for part, seconds in found[ours.path].items():
+                pairs.setdefault(f"{name}: {part}", []).append((seconds, found[theirs.path][part]))
+    return [Figure.of(name, both) for name, both in pairs.items()]
 
 
 def main() -> None:
-    """Measure and print; figures of one call belong together, the machine may be slower tomorrow."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--json", action="store_true")
+    """Measure and print; the exit status is 1 if anything is slower than `BOUND` allows."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", type=Path, required=True, metavar="PATH", help="the other checkout")
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", default="", metavar="TEXT", help="measurements whose name holds this")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     options = parser.parse_args()
-    flights: dict[str, list[dict[str, Any]]] = {engine: [] for engine in ENGINES}
-    for done in range(options.rounds):
-        for engine in ENGINES:
-            print(f"round {done + 1} of {options.rounds}: {engine} ...", file=sys.stderr, flush=True)
-            command = [sys.executable, "-m", "cli.main", "run", *FLIGHT, "--engine", engine]
-            out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            flights[engine].append(json.loads(out))
-    figures = {engine: _figures(runs) for engine, runs in flights.items()}
-    figures["processes / inprocess"] = {"wall": figures["processes"]["wall_s"] / figures["inprocess"]["wall_s"]}
+    base = Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache") / "speed"
+    ours, theirs = (
+        Checkout(path.resolve(), base / side) for path, side in ((HERE, "ours"), (options.against, "theirs"))
+    )
+    began = time.perf_counter()
+    figures = measure(ours, theirs, options.rounds, options.only)
+    print(f"{'time of one':36} {'ours':>11} {'theirs':>11} {'ratio':>7}   smallest to largest")
+    for f in figures:
+        mark = "  SLOWER" if f.ratio > BOUND else ""
+        print(f"{f.name:36} {_time(f.ours)} {_time(f.theirs)} {f.ratio:7.3f}   {f.low:.3f} to {f.high:.3f}{mark}")
+    for f in figures:
+        if f.name.endswith(": tick"):
+            print(f"{f.name.removesuffix(': tick'):36} {1 / f.ours:9.0f}/s {1 / f.theirs:9.0f}/s ticks")
     if options.json:
-        print(json.dumps(figures))
-        return
-    for engine in ENGINES:
-        f = figures[engine]
-        print(
-            f"{engine:>10}: 40 s of flight in {f['wall_s']:.2f} s (x{f['times_real_time']:.1f} real time); "
-            f"a plan takes {f['solve_median_us']:.0f} us (median), {f['solve_p99_us']:.0f} us (p99)"
-        )
-    print(f"processes / inprocess: {figures['processes / inprocess']['wall']:.1f} x the time")
+        facts = {
+            "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            "ours": ours.commit(),
+            "theirs": theirs.commit(),
+            "seeds": SEEDS[: options.rounds],
+            "rounds": options.rounds,
+            "took_s": round(time.perf_counter() - began, 1),
+            "load": os.getloadavg(),
+            "figures": [asdict(figure) for figure in figures],
+        }
+        options.json.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+    raise SystemExit(any(f.ratio > BOUND or math.isnan(f.ratio) for f in figures))
 
 
-def _figures(runs: list[dict[str, Any]]) -> dict[str, float]:
-    """Medians over the rounds."""
-    wall = statistics.median(run["wall_s"] for run in runs)
-    return {
-        "wall_s": wall,
-        "times_real_time": runs[0]["duration"] / wall,
-        "solve_median_us": 1e6 * statistics.median(run["solve_s"]["median"] for run in runs),
-        "solve_p99_us": 1e6 * statistics.median(run["solve_s"]["p99"] for run in runs),
-    }
+def _time(seconds: float) -> str:
+    return f"{1e6 * seconds:8.1f} us" if seconds < 1e-3 else f"{1e3 * seconds:8.1f} ms"
 
 
 if __name__ == "__main__":

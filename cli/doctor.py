@@ -15,7 +15,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from agents.kernels.jit_cache import cache_folder, compiled
+from agents.kernels.jit_cache import cache_folder, compiled, wanted_place, writable
 from cli.up import DEFAULT_PORT, LOOPBACK
 from formation.errors import EchelonError
 from runtime.run_registry import SOCKET_PATH_LIMIT, folder, live
@@ -108,8 +108,12 @@ def _runs() -> Check:
 
 
 def _cache() -> Check:
-    path = cache_folder()
-    existing = next(p for p in (path, *path.parents) if p.exists())
-    text = "compiled" if compiled() else "compiled on first use, about half a minute"
-    advice = "set ECHELON_CACHE to a folder that can be written"
-    return Check("solver", text, os.access(existing, os.W_OK), True, advice)
+    wanted = wanted_place()
+    good = wanted is not None and writable(wanted)
+    try:
+        text = "compiled" if compiled() else "compiled on first use, about half a minute"
+        if not good:
+            text = f"{text}; kept in {cache_folder()}, as {wanted} cannot be written"
+    except EchelonError as error:
+        text = str(error)
+    return Check("solver", text, good, True, "set ECHELON_CACHE to a folder that can be written")

@@ -26,8 +26,8 @@ def main(arguments: list[str] | None = None) -> int:
         served = server.serve(guard, options.port, "Run control")
         lifetime = Lifetime()
         try:
-            with ZenohBus(options.connect, options.run) as session:
-                page = Page(served, session)
+            with ZenohBus(options.connect, options.run) as bus:
+                page = Page(served, bus)
                 port = served.get_port()
                 where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"
                 print(f"dashboard: {guard.address(port)}{where}", flush=True)

@@ -5,10 +5,10 @@ from typing import Any
 
 import viser
 
-from dashboard.export.buttons import ExportButtons
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.event_log import event_log
+from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.link_matrix import link_matrix
 from dashboard.panels.notices import Notices
@@ -48,12 +48,12 @@ LEFT_WIDTH, RIGHT_WIDTH = 330, 400
 class Page:
     """The panels and the scene, and the telemetry they are drawn from."""
 
-    def __init__(self, server: viser.ViserServer, session: Bus) -> None:
+    def __init__(self, server: viser.ViserServer, bus: Bus) -> None:
         """Add everything to the page."""
         self._server = server
-        self._telemetry = TelemetrySubscriber(session)
+        self._telemetry = TelemetrySubscriber(bus)
         self._notices = Notices(server)
-        self._requests = RequestQueue(session, self._telemetry, self._notices.notify)
+        self._requests = RequestQueue(bus, self._telemetry, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
         self._history = History()
         self._export_buffer = ExportBuffer()
@@ -68,7 +68,7 @@ class Page:
         self._palette = DARK
         self._turn = 0
         apply_theme(server.gui, self._palette)
-        self._add_left_panel(server.gui, session.run)
+        self._add_left_panel(server.gui, bus.run)
         self._add_right_panel(server.gui)
 
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:

@@ -2,12 +2,14 @@
 
 import types
 from collections import Counter
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from formation.errors import unknown
 
+TAGS = ("kind", "name")
+"""Keys by which a table says which of several models it is."""
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),
@@ -46,11 +48,13 @@ def shown(value: object) -> str:
 
 
 def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
-    names, owner = _walk(item["loc"], model)
+    names, owner, others = _walk(item["loc"], model)
     key = ".".join(names) or "file"
     kind, context, got = item["type"], item.get("ctx", {}), item["input"]
     if kind == "extra_forbidden":
-        return unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+        line = unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
+        whose = [str(_tag(other)) for other in others if names[-1] in other.model_fields]
+        return f"{line}; it is a key of {', '.join(whose)}" if whose else line
     if kind in ("too_long", "too_short"):
         bounds = {"List": f"at {'most' if kind == 'too_long' else 'least'} ", "Tuple": ""}
         size = context.get("max_length", context.get("min_length"))
@@ -76,8 +80,11 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     return f"{key}: expected {text}; got {shown(got)}"
 
 
-def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
-    """Key names without the tags of unions, and the model that owns the last of them."""
+def _walk(
+    location: tuple[int | str, ...], model: type[BaseModel]
+) -> tuple[list[str], type[BaseModel] | None, list[type[BaseModel]]]:
+    """Key names without the tags of unions, the model that owns the last of them, and the others of its union."""
+    others: list[type[BaseModel]] = []
     names: list[str] = []
     owner: type[BaseModel] | None = model
     here: list[type[BaseModel]] = [model]
@@ -87,19 +94,25 @@ def _walk(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[list
             continue
         tagged = [m for m in here if len(here) > 1 and _tag(m) == part]
         if tagged:
-            here = owner_models = tagged
-            owner = owner_models[0]
+            others = [m for m in here if m not in tagged]
+            here = tagged
+            owner = here[0]
             continue
+        if not here or owner is not here[0]:
+            others = []
         owner = here[0] if here else None
         names.append(part)
         field = owner.model_fields.get(part) if owner else None
         here = _models(field.annotation) if field else []
-    return names, owner
+    return names, owner, others
 
 
 def _tag(model: type[BaseModel]) -> str | None:
-    kind = model.model_fields.get("kind")
-    return get_args(kind.annotation)[0] if kind and get_args(kind.annotation) else None
+    for name in TAGS:
+        field = model.model_fields.get(name)
+        if field and get_origin(field.annotation) is Literal:
+            return str(get_args(field.annotation)[0])
+    return None
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

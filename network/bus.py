@@ -21,7 +21,7 @@ MAX_ARRIVALS = 1000
 
 
 class Sample(NamedTuple):
-    """A payload that somebody published."""
+    """A payload that was published."""
 
     key: str
     payload: bytes
@@ -84,7 +84,7 @@ class Appear(NamedTuple):
 
 
 class Publish(NamedTuple):
-    """Send a message to whoever subscribes to the key."""
+    """Send a message to the subscribers of the key."""
 
     key: str
     message: Message
@@ -107,7 +107,7 @@ Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Appear
 
 
 class Kept(Protocol):
-    """Samples that wait until somebody looks; those that nobody looks at in time are overwritten."""
+    """A ring of the newest samples, read on demand; older ones are overwritten."""
 
     def take(self) -> Iterator[Sample]:
         """Everything that has come in since the last look, oldest first."""
@@ -147,7 +147,7 @@ class Bus(Protocol):
         """
 
     def publish(self, key: str, message: Message) -> None:
-        """Send a message, on an announced key, to whoever subscribes."""
+        """Publish a message on an announced key."""
 
     def serve(self, key: str) -> None:
         """Queries on this key arrive from now on."""
@@ -156,7 +156,7 @@ class Bus(Protocol):
         """Ask the world of this run without waiting; its answer arrives as a Response, or never."""
 
     def fetch(self, message: Request, timeout: float) -> bytes | None:
-        """Ask the world of this run and wait. None if nobody answers within `timeout` [s]."""
+        """Ask the world of this run and wait. None if it does not answer within `timeout` [s]."""
 
     def appear(self, role: str, number: int = 0) -> None:
         """Be seen as alive until this bus closes or its process dies."""
@@ -193,11 +193,11 @@ class Bus(Protocol):
             yield from self.arrivals(left)
 
     def wake(self) -> None:
-        """Wake whoever waits for arrivals; safe in a signal handler."""
+        """Wake the reader that waits for arrivals; safe in a signal handler."""
         self.inbox.put(Wake())
 
     def ask(self, what: Operation | Request, *, timeout: float = 2.0) -> Reply | None:
-        """Ask the world of this run. None if nobody answers within `timeout` [s].
+        """Ask the world of this run. None if it does not answer within `timeout` [s].
 
         Raises:
             WireError: the answer is not a Reply.
@@ -206,7 +206,7 @@ class Bus(Protocol):
         return None if payload is None else decode(Reply, payload)
 
     def setup(self, *, timeout: float = 1.0) -> Setup | None:
-        """What the world of this run simulates. None if nobody answers within `timeout` [s].
+        """The Setup of this run's world. None if it does not answer within `timeout` [s].
 
         Raises:
             WireError: the answer is not a Setup.

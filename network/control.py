@@ -1,12 +1,12 @@
 """The operations that a client may request of the world: one model each, named in a Request."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
-from formation.scenario.registry import ControllerName
+from formation.scenario.registry import check_name
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
 from network.fields import Link
@@ -92,7 +92,8 @@ class Restart(Model):
 class Compare(Model):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
-    controller: Literal[ControllerName, "off"]
+    controller: Annotated[str, AfterValidator(lambda name: check_name(name, "off"))]
+    """A name, or "off"."""
 
 
 class Stop(Model):

@@ -39,7 +39,7 @@ def prompt(letter: Letter) -> Sequence[float]:
 
 
 class MemoryHub:
-    """The router of MemoryBuses: carries letters, knows who is there, goes down and comes back."""
+    """The router of MemoryBuses: carries letters, knows its clients, goes down and comes back."""
 
     def __init__(self, fate: Fate = prompt) -> None:
         self.fate = fate
@@ -169,7 +169,7 @@ class MemoryBus(Bus):
         self._query(message, lambda payload: self.receive(Response(message, payload)))
 
     def fetch(self, message: Request, timeout: float) -> bytes | None:
-        """None unless the answer comes at once: nobody else runs while this process waits (see `react`)."""
+        """None unless the answer comes at once: no other process runs while this one waits (see `react`)."""
         answers: list[bytes] = []
         self._query(message, answers.append)
         return answers[0] if answers else None
@@ -228,7 +228,7 @@ class MemoryBus(Bus):
 
 
 class KeptInMemory:
-    """Samples that wait until somebody looks, the newest so many."""
+    """The newest samples, read on demand."""
 
     def __init__(self, depth: int) -> None:
         self._samples: deque[Sample] = deque(maxlen=depth)

@@ -31,6 +31,7 @@ VERSION = 2
 WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
 
+Severity = Literal["info", "warning", "error"]
 Mode = Literal["lockstep", "realtime"]
 """Whether the world waits for every agent at every tick, or steps by the wall clock."""
 
@@ -95,6 +96,8 @@ class Command:
     """Whether a plan was sent at this tick."""
     solve: NonNegative
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
+    converged: Flag = True
+    """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
     __pydantic_config__ = STRICT
 
 
@@ -142,6 +145,8 @@ class Status:
     rejected: Count
     """Payloads that were not valid messages."""
     pid: Count
+    converged: Flag = True
+    """As in the Command of the same tick."""
     __pydantic_config__ = STRICT
 
 
@@ -153,6 +158,8 @@ class Event:
     stamp: NonNegative
     kind: Literal["run", "fault", "agent", "watchdog", "wire"]
     text: Text
+    severity: Severity = "info"
+    """How much it matters; info also when something is well again. Set by who raises the event."""
     __pydantic_config__ = STRICT
 
 

@@ -6,7 +6,7 @@ from time import monotonic
 LOG_INTERVAL = 1.0
 """Between two lines about one subject, at least [s]."""
 MAX_SUBJECTS = 1000
-"""Subjects that are told apart; a flood of invented keys does not fill the memory."""
+"""Subjects that are counted separately, so that a flood of invented keys does not fill the memory."""
 
 _log = logging.getLogger("echelon")
 

@@ -25,7 +25,7 @@ class Topic:
     messages: tuple[type[Any], ...]
     """What is published; of a query the question, then the possible answers."""
     sender: Role
-    """Who publishes; of a query, who answers."""
+    """Role of the publisher; of a query, of the process that answers."""
     carries: str
     """In a few words, for readers."""
     rate: float | None = None

@@ -155,7 +155,7 @@ class ZenohBus(Bus):
 
 
 class KeptSamples:
-    """Samples that wait in Zenoh until somebody looks, and cost no Python before."""
+    """Samples that wait in Zenoh until they are read, and cost no Python before."""
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber

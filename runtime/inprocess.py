@@ -5,7 +5,7 @@ from time import perf_counter
 from typing import Any
 
 from agents.agent import Agent
-from agents.controllers.centralised import Team
+from agents.controllers.registry import team_for
 from formation.pattern import downstream
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
@@ -26,7 +26,7 @@ class Simulation:
             endless: continue past the duration, if the path is closed; then no trace is kept.
         """
         self.world = World(scenario, endless=endless)
-        self._team = Team(scenario) if scenario.controller.name == "centralised" else None
+        self._team = team_for(scenario)
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
         self._revision = -1

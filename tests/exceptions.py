@@ -37,14 +37,11 @@ NEEDS = {
     "chromium": Need(lambda: chromium() is not None, "apt-get install chromium"),
     "playwright": Need(package("playwright"), "pip install -e .[test]"),
     "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
-    "distributed": Need(package("distributed"), "pip install -e .[cluster]"),
 }
 """By name."""
 
-EXCEPTIONS = {
-    "distributed": "an extra of 38 MB for studies on a cluster, which the test command does not install",
-}
-"""What may be absent even with CI set, and why."""
+EXCEPTIONS: dict[str, str] = {}
+"""What may be absent even with CI set, and why. Nothing today: the test command and .ci/run install all."""
 
 
 def needs(*names: str) -> None:

@@ -52,7 +52,8 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],
     "world": [
-        {"bodies", "faults", "trace", "rate"},
+        {"bodies", "faults", "convergence"},
+        {"trace", "rate"},
         {"world"},
         {"presence"},
         {"run_control"},

@@ -45,8 +45,8 @@ class FaultState:
     """Number of tables in this episode so far."""
     _history: deque[tuple[float, Mapping[LinkId, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
 
-    def update(self, now: float) -> list[str]:
-        """Update the table to time `now` [s]. Returns a line per link that changed."""
+    def update(self, now: float) -> list[tuple[LinkId, Fault]]:
+        """Update the table to time `now` [s]. Returns the links that changed, with what they have now."""
         wishes = [wish for wish in self._wishes if wish.until is None or now < wish.until - 1e-9]
         active = tuple(i for i, entry in enumerate(self.scenario.faults) if _on(entry, now))
         if active == self._active and len(wishes) == len(self._wishes):
@@ -57,7 +57,7 @@ class FaultState:
             self.changes += 1
             self._history.append((now, self.table))
         return [
-            f"{link}: {self.table.get(link, PERFECT).words()}"
+            (link, self.table.get(link, PERFECT))
             for link in sorted({*self.table, *before})
             if self.table.get(link) != before.get(link)
         ]

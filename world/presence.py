@@ -103,7 +103,7 @@ class AgentPresence:
         """Continue the run without an agent."""
         if robot in self._world.live:
             self._world.live.discard(robot)
-            self._world.event("agent", f"agent {robot} {why}")
+            self._world.event("agent", f"agent {robot} {why}", "error")
 
     def recall(self) -> None:
         """Another scenario begins: every agent with a token is live."""
@@ -114,7 +114,7 @@ class AgentPresence:
         now, world = monotonic(), self._world
         if not self._session.connected:
             if self._router_lost is None:
-                world.event("run", "router lost: holding")
+                world.event("run", "router lost: holding", "warning")
             self._router_lost = now
             return False
         if self._router_lost is None:

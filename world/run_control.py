@@ -4,6 +4,7 @@ from typing import Any
 
 from formation.errors import ScenarioError, unknown
 from formation.faults import preset
+from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load, parse, shipped
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
@@ -13,9 +14,6 @@ from network.messages import RunStatus
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
-
-_SHARED_KEYS = ("horizon", "prediction_interval", "plan_every", "age_plans")
-"""Keys of a controller that fit every controller."""
 
 
 class RunControl:
@@ -87,7 +85,7 @@ class RunControl:
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
                 self._roster.dismiss(robot, for_good=True)
-                world.event("run", f"agent {robot} is killed and kept down")
+                world.event("run", f"agent {robot} is killed and kept down", "warning")
             case control.Restart(robot=robot):
                 kept = self._roster.readmit(robot)
                 if not kept:
@@ -125,5 +123,5 @@ def with_controller(scenario: Scenario, name: str) -> Scenario:
     """
     raw = scenario.model_dump(exclude_unset=True)
     before = raw.get("controller", {})
-    kept = {key: before[key] for key in _SHARED_KEYS if key in before}
+    kept = {key: before[key] for key in SHARED_KEYS if key in before}
     return parse({**raw, "controller": {**kept, "name": name}}, where="controller")

@@ -11,6 +11,7 @@ from formation.links import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
+from world.convergence import Convergence
 
 
 class Trace:
@@ -75,12 +76,18 @@ class Trace:
         return distance, angle, tracking_error(poses, self._scenario.path.position(t))
 
     def summary(
-        self, counts: Mapping[LinkId, LinkCounts], events: Sequence[Event], *, warmup: float = 0.0
+        self,
+        counts: Mapping[LinkId, LinkCounts],
+        convergence: Convergence,
+        events: Sequence[Event],
+        *,
+        warmup: float = 0.0,
     ) -> dict[str, Any]:
         """The summary of the episode so far (docs/design.md, section 8), without rounding.
 
         Args:
             counts: by link.
+            convergence: of the agents' solvers.
             events: in the order in which they happened.
             warmup: measures start at this simulated time [s].
         """
@@ -101,6 +108,7 @@ class Trace:
                 str(i + 1): {
                     "distance_error_m": _spread(distance[:, i]),
                     "angle_error_rad": _spread(angle[:, i]),
+                    "converged": convergence.share(i + 1),
                 }
                 for i in range(scenario.size)
             },
@@ -119,7 +127,7 @@ class Trace:
                 for link, c in counts.items()
             },
             "solve_s": {"median": quantile(solves, 0.5), "p99": quantile(solves, 0.99)},
-            "events": [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in events],
+            "events": [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in events],
         }
 
 

@@ -19,7 +19,8 @@ from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Link, damaged
 from network.messages import WORLD, Command, Event, LinkCounts, Mode, RunStatus, Setup, State, Status, Tick
-from world.bodies.unicycle import Plant
+from world.bodies.registry import bodies_for
+from world.convergence import Convergence
 from world.faults import FaultState
 from world.trace import Trace
 
@@ -56,7 +57,7 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.period is not None
-        self.plant = Plant(scenario)
+        self.plant = bodies_for(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)
@@ -65,6 +66,7 @@ class World:
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
+        self.convergence = Convergence()
         self._reference: Reference = scenario.reference()
         self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, LinkId.commands_from(i)) for i in self.robots}
         self._newest: dict[int, Command] = {}
@@ -124,6 +126,9 @@ class World:
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
+        for robot, works in self.convergence.add(commands, now):
+            text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
+            self.event("agent", f"robot {robot}: its solver {text}", severity)
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
         self.k += 1
         self._tick = None
@@ -153,14 +158,15 @@ class World:
         stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
         if stale != (robot in self._held) and (command is not None or now > WATCHDOG):
             self._held ^= {robot}
-            self.event("watchdog", f"robot {robot} " + ("stopped: no fresh command" if stale else "moves again"))
+            text, severity = ("stopped: no fresh command", "error") if stale else ("moves again", "info")
+            self.event("watchdog", f"robot {robot} {text}", severity)
         return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
 
     def _apply_faults(self) -> None:
-        lines = self.faults.update(self.now)
-        for line in lines:
-            self.event("fault", line)
-        if lines:
+        changed = self.faults.update(self.now)
+        for link, fault in changed:
+            self.event("fault", f"{link}: {fault.words()}", "info" if fault == PERFECT else "warning")
+        if changed:
             self.revision += 1
             self._set_link_faults()
 
@@ -208,10 +214,10 @@ class World:
         self.faults.impose(table)
         self._apply_faults()
 
-    def event(self, kind: Any, text: str) -> None:
+    def event(self, kind: Any, text: str, severity: Any = "info") -> None:
         """Add an event to the log."""
         self._event_count += 1
-        self.events.append(Event(self._event_count, self.now, kind, text))
+        self.events.append(Event(self._event_count, self.now, kind, text, severity))
 
     def hear(self, status: Status) -> None:
         """Take an agent's Status."""
@@ -236,7 +242,9 @@ class World:
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The summary of the episode so far; empty for an endless one."""
         links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
-        return self.trace.summary(links, self._events_of_episode(), warmup=warmup) if self.trace else {}
+        return (
+            self.trace.summary(links, self.convergence, self._events_of_episode(), warmup=warmup) if self.trace else {}
+        )
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]

@@ -12,10 +12,11 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution
-from agents.controllers.nash import weights
+from agents.controllers.nash import pair_game, weights
 from agents.controllers.pair import Pair
 from agents.controllers.progress import Progress
-from agents.kernels.team_game import optimise, ring_weights
+from agents.kernels.lq import optimise
+from agents.kernels.pair_cost import ring_weights
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
@@ -32,9 +33,9 @@ class Team:
     def __init__(self, scenario: Scenario) -> None:
         self._pairs = [Pair(scenario, robot) for robot in range(1, scenario.size + 1)]
         self._progress = [Progress(pair, scenario.spacing) for pair in self._pairs]
-        self._waits = scenario.controller.waits
+        self._waits = pair_game(scenario).waits
         q, r = weights(scenario)
-        self._q, self._r = np.array(q, dtype=float), np.array(r, dtype=float)
+        self._q, self._r = np.array(q, dtype=float), np.tile(np.array(r, dtype=float), scenario.size)
         self._now: tuple[int, FloatArray] | None = None
         self._plan: tuple[int, FloatArray, bool] | None = None
 
@@ -87,7 +88,7 @@ class Team:
         return inputs, converged
 
     def _wait(self, k: int, poses: FloatArray) -> None:
-        """The lag of the robot that is furthest behind is everybody's."""
+        """Give every robot the lag of the one that is furthest behind."""
         for progress, pose in zip(self._progress, poses, strict=True):
             progress.update(k, pose, None)
         lag, pace = max(pair.lag for pair in self._pairs), min(pair.pace for pair in self._pairs)

@@ -1,9 +1,11 @@
 """The interface of a controller: its observation at a planning tick, and its solution."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from formation.arrays import FloatArray
+from formation.scenario.controllers import ControllerOptions
+from formation.scenario.scenario import Scenario
 from network.messages import Plan
 
 
@@ -48,3 +50,12 @@ class Controller(Protocol):
     def plan(self, situation: Observation) -> Solution:
         """Inputs from now on."""
         ...
+
+
+Options = TypeVar("Options", bound=ControllerOptions)
+
+
+def options_of(scenario: Scenario, kind: type[Options]) -> Options:
+    """The scenario's options of this controller; the default ones if it names another controller."""
+    own = scenario.controller
+    return own if isinstance(own, kind) else kind.model_validate({})

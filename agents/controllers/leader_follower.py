@@ -9,11 +9,12 @@ import math
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.nash import Nash
 from agents.controllers.pair import Pair
 from formation.arrays import FloatArray
 from formation.pattern import rotate
+from formation.scenario.controllers import LeaderFollowerOptions
 from formation.scenario.scenario import Scenario
 from formation.unicycle import wrap
 
@@ -23,8 +24,9 @@ class Follower:
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
         self._pair = pair
-        self._gain_x, self._gain_theta = scenario.controller.gains
-        self._misprinted, self._mended = 11 in scenario.controller.misprints, 13 in scenario.controller.errata
+        own = options_of(scenario, LeaderFollowerOptions)
+        self._gain_x, self._gain_theta = own.gains
+        self._misprinted, self._mended = 11 in own.misprints, 13 in own.errata
 
     def plan(self, situation: Observation) -> Solution:
         leader, pose = situation.upstream, situation.pose
@@ -59,7 +61,10 @@ class Leader:
     """Robot 1: `nash` with a neighbour that is always in its slot, so that the leader waits for no robot."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair, self._nash = pair, Nash(scenario, robot, pair)  # it waits for no robot: it uses no plan
+        self._pair, self._nash = (
+            pair,
+            Nash(scenario, robot, pair, waits=options_of(scenario, LeaderFollowerOptions).waits),
+        )  # it waits for no robot: it uses no plan
 
     def plan(self, situation: Observation) -> Solution:
         slot, tail = self._pair.slot(situation.k, 1)

@@ -11,10 +11,11 @@ import numpy as np
 from agents.controllers.interface import Observation, Solution
 from agents.controllers.pair import Pair
 from agents.controllers.progress import Progress
-from agents.kernels.pair_game import cost, improve
+from agents.kernels.pair_cost import cost, improve
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
-from formation.scenario.scenario import Controller, Scenario
+from formation.scenario.controllers import NashOptions, PairGame
+from formation.scenario.scenario import Scenario
 
 PLACE = 30.0
 """Cost of a position error of one spacing."""
@@ -28,15 +29,19 @@ FROZEN = 1e12
 """Weight on the neighbour's inputs that keeps them as they are, for a best response to its plan."""
 
 
+def pair_game(scenario: Scenario) -> PairGame:
+    """The scenario's own options of the pair's game; the default ones if its controller plays another."""
+    own = scenario.controller
+    return own if isinstance(own, PairGame) else NashOptions()
+
+
 def weights(scenario: Scenario) -> tuple[list[float], list[float]]:
     """Diagonals of Q (6,) and R (2,), derived from the scenario unless it gives its own.
 
     Lengths count in spacings, so that a formation twice as large on paths twice as large behaves the same; the
     pattern counts `controller.formation` times as much as the path.
     """
-    own, place = scenario.controller, PLACE / scenario.spacing**2
-    if own.name not in ("nash", "centralised"):
-        own = Controller()
+    own, place = pair_game(scenario), PLACE / scenario.spacing**2
     pattern = own.formation * place
     # The tangential weight is divided by the pair's own distance squared: it is that of an angle.
     q = [place, place, HEADING, pattern, own.formation * PLACE, HEADING]
@@ -93,9 +98,16 @@ class Game:
 class Nash:
     """The controller of one robot."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+    def __init__(self, scenario: Scenario, robot: int, pair: Pair, *, waits: bool | None = None) -> None:
+        """The controller at the start.
+
+        Args:
+            scenario, robot, pair: the task.
+            waits: whether it waits for robots that cannot keep up; if absent, the scenario decides.
+        """
         self._pair, self._game = pair, Game(scenario, robot, pair)
-        self._progress = Progress(pair, scenario.spacing) if scenario.controller.waits else None
+        waits = pair_game(scenario).waits if waits is None else waits
+        self._progress = Progress(pair, scenario.spacing) if waits else None
         self._last: tuple[int, FloatArray] | None = None
 
     def plan(self, situation: Observation) -> Solution:

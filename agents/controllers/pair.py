@@ -9,10 +9,8 @@ from agents.kernels.unicycle import sample
 from formation.arrays import FloatArray
 from formation.pattern import rotate, upstream
 from formation.reference import Block, Reference
+from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
-
-AS_PRINTED = ("paper", "leader_follower")
-"""Controllers that follow the paper's references, including their jumps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +29,7 @@ class Pair:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         controller = scenario.controller
         other = upstream(robot, scenario.size)
-        self.reference: Reference = scenario.reference([robot, other], rounded=controller.name not in AS_PRINTED)
+        self.reference: Reference = scenario.reference([robot, other], rounded=spec_of(controller).rounds_corners)
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])

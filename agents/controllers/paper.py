@@ -9,12 +9,13 @@ import math
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.pair import Pair
 from agents.kernels.paper_errors import BEST_RESPONSE, SWITCHES
 from agents.kernels.paper_game import plan
 from formation.arrays import FloatArray
 from formation.pattern import between
+from formation.scenario.controllers import PaperOptions
 from formation.scenario.scenario import Scenario
 
 Q_TWO = (0.1, 0.1, 0.1, 0.5, 0.001)
@@ -28,12 +29,12 @@ class Paper:
     """The controller of one robot."""
 
     def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        own = scenario.controller
+        own = options_of(scenario, PaperOptions)
         self._pair = pair
         self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
         self._r = np.array(own.r or R, dtype=float)
         self._mended = np.zeros(SWITCHES, dtype=bool)
-        self._mended[[SWITCH[number] for number in own.errata if number in SWITCH]] = True
+        self._mended[[SWITCH[number] for number in own.errata]] = True
         self._infeasible = 6 in own.misprints and scenario.formation.shape == "triangle"
         self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
         self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero

@@ -1,5 +1,11 @@
-"""Which controllers there are, by name."""
+"""How each controller is made, by name. A controller is a module of its own, and a line here.
 
+formation/scenario/registry.py has the options and the spec of each of these names.
+"""
+
+from collections.abc import Callable
+
+from agents.controllers.centralised import Team
 from agents.controllers.consensus import Consensus
 from agents.controllers.interface import Controller
 from agents.controllers.leader_follower import Follower, Leader
@@ -10,23 +16,32 @@ from agents.controllers.virtual_structure import VirtualStructure
 from formation.scenario.registry import refusal
 from formation.scenario.scenario import Scenario
 
+Make = Callable[[Scenario, int, Pair], Controller]
+MAKES: dict[str, Make] = {
+    "nash": Nash,
+    "paper": Paper,
+    "leader_follower": lambda scenario, robot, pair: (Leader if robot == 1 else Follower)(scenario, robot, pair),
+    "virtual_structure": lambda scenario, _, pair: VirtualStructure(scenario, pair),
+    "consensus": lambda scenario, _, pair: Consensus(scenario, pair),
+}
+"""Of one robot, its number and its pair."""
+TEAMS: dict[str, Callable[[Scenario], Team]] = {"centralised": Team}
+"""Of all robots at once; runtime/inprocess.py gives each agent its part."""
+
 
 def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
     """The scenario's controller for one robot; the scenario has checked its name.
 
     Raises:
-        ScenarioError: the controller plans for all robots in one process, so no single agent can run it.
+        ScenarioError: the controller is one for all robots, which no robot can have for itself.
     """
-    match scenario.controller.name:
-        case "nash":
-            return Nash(scenario, robot, pair)
-        case "paper":
-            return Paper(scenario, robot, pair)
-        case "leader_follower":
-            return Leader(scenario, robot, pair) if robot == 1 else Follower(scenario, robot, pair)
-        case "virtual_structure":
-            return VirtualStructure(scenario, pair)
-        case "consensus":
-            return Consensus(scenario, pair)
-        case "centralised":  # runtime/inprocess.py gives its agents their part in one
-            raise refusal("centralised")
+    make = MAKES.get(scenario.controller.name)
+    if make is None:
+        raise refusal(scenario.controller.name)
+    return make(scenario, robot, pair)
+
+
+def team_for(scenario: Scenario) -> Team | None:
+    """The scenario's controller for all robots at once; None if each robot has its own."""
+    make = TEAMS.get(scenario.controller.name)
+    return make(scenario) if make else None

@@ -10,12 +10,13 @@ import math
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.nash import weights
 from agents.controllers.pair import Pair
-from agents.kernels.team_game import optimise
+from agents.kernels.lq import optimise
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
+from formation.scenario.controllers import VirtualStructureOptions
 from formation.scenario.scenario import Scenario
 
 STEPS = 20
@@ -27,7 +28,7 @@ class VirtualStructure:
     """The controller of one robot."""
 
     def __init__(self, scenario: Scenario, pair: Pair) -> None:
-        own = scenario.controller
+        own = options_of(scenario, VirtualStructureOptions)
         self._pair = pair
         q, r = weights(scenario)
         self._r = np.array(own.r or r, dtype=float)

@@ -4,40 +4,16 @@ The projected Newton method of box-DDP (Tassa, Mansard and Todorov 2014, "Contro
 programming", algorithm 1; after Bertsekas 1982).
 """
 
-import math
-
 import numpy as np
 
 from agents.kernels.jit import kernel
+from agents.kernels.linalg import solve_positive
 from formation.arrays import FloatArray
 
 HALVINGS = 12
 """Of a step that does not lower the cost."""
 STEPS = 30
 """Projected Newton steps of one program; a handful is the rule."""
-
-
-@kernel
-def solve(matrix: FloatArray, right: FloatArray) -> None:
-    """right <- inverse(matrix) right, for a symmetric positive definite matrix, which is overwritten (Cholesky)."""
-    n = len(matrix)
-    for i in range(n):
-        for j in range(i + 1):
-            total = matrix[i, j]
-            for k in range(j):
-                total -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] = math.sqrt(total) if i == j else total / matrix[j, j]
-    for c in range(right.shape[1]):
-        for i in range(n):
-            total = right[i, c]
-            for k in range(i):
-                total -= matrix[i, k] * right[k, c]
-            right[i, c] = total / matrix[i, i]
-        for i in range(n - 1, -1, -1):
-            total = right[i, c]
-            for k in range(i + 1, n):
-                total -= matrix[k, i] * right[k, c]
-            right[i, c] = total / matrix[i, i]
 
 
 @kernel
@@ -49,7 +25,7 @@ def solve_free(quu: FloatArray, right: FloatArray, free: FloatArray, work: Float
         if free[a] == 0.0:
             work[a, a] = 1.0
             right[a] = 0.0
-    solve(work, right)
+    solve_positive(work, right)
 
 
 @kernel

@@ -1,8 +1,8 @@
 """Compiled products and solves of small matrices, into arrays that the caller keeps: nothing is allocated."""
 
-import numpy as np
+import math
 
-from agents.kernels.jit import kernel
+from agents.kernels.jit import inlined, kernel
 from formation.arrays import FloatArray
 
 
@@ -28,22 +28,27 @@ def transposed_times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
             out[i, j] = total
 
 
-@kernel
+@inlined
 def solve_positive(matrix: FloatArray, right: FloatArray) -> None:
-    """right = inverse(matrix) right, for a symmetric positive definite matrix, which is overwritten (Cholesky)."""
-    n, columns = matrix.shape[0], right.shape[1]
+    """right <- inverse(matrix) right, for a symmetric positive definite matrix, which is overwritten (Cholesky).
+
+    A matrix that is not positive definite leaves NaN in `right`.
+    """
+    n = len(matrix)
     for i in range(n):
         for j in range(i + 1):
             total = matrix[i, j]
             for k in range(j):
                 total -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] = np.sqrt(total) if i == j else total / matrix[j, j]
-    for c in range(columns):
+            matrix[i, j] = math.sqrt(total) if i == j else total / matrix[j, j]
+    for c in range(right.shape[1]):
         for i in range(n):
+            total = right[i, c]
             for k in range(i):
-                right[i, c] -= matrix[i, k] * right[k, c]
-            right[i, c] /= matrix[i, i]
+                total -= matrix[i, k] * right[k, c]
+            right[i, c] = total / matrix[i, i]
         for i in range(n - 1, -1, -1):
+            total = right[i, c]
             for k in range(i + 1, n):
-                right[i, c] -= matrix[k, i] * right[k, c]
-            right[i, c] /= matrix[i, i]
+                total -= matrix[k, i] * right[k, c]
+            right[i, c] = total / matrix[i, i]

@@ -2,11 +2,7 @@
 
 import math
 
-import numpy as np
-
 from agents.kernels.jit import (
-    MATRIX,
-    MATRIX_OUT,
     NOTHING,
     REAL,
     STRIDED,
@@ -15,6 +11,7 @@ from agents.kernels.jit import (
     TABLE_OUT,
     VECTOR,
     VECTOR_OUT,
+    inlined,
     kernel,
     kernel_for,
 )
@@ -54,6 +51,40 @@ def derivatives(theta: float, v: float, omega: float, dt: float) -> tuple[float,
         bend * c - 0.5 * dt * chord * s,
         bend * s + 0.5 * dt * chord * c,
     )
+
+
+@kernel
+def move(x: FloatArray, u: FloatArray, dt: float, out: FloatArray) -> None:
+    """n robots (3n,) one interval on under u (2n,)."""
+    for i in range(len(u) // 2):
+        out[3 * i], out[3 * i + 1], out[3 * i + 2] = step(
+            x[3 * i], x[3 * i + 1], x[3 * i + 2], u[2 * i], u[2 * i + 1], dt
+        )
+
+
+@inlined
+def linearise(x: FloatArray, u: FloatArray, dt: float, g: FloatArray) -> None:
+    """`derivatives` of n robots at x (3n,), u (2n,) into g (n, 6): all of the Jacobians A and B of `move`."""
+    for i in range(len(g)):
+        g[i, 0], g[i, 1], g[i, 2], g[i, 3], g[i, 4], g[i, 5] = derivatives(x[3 * i + 2], u[2 * i], u[2 * i + 1], dt)
+
+
+@inlined
+def times_input(p: FloatArray, g: FloatArray, dt: float, out: FloatArray) -> None:
+    """out (rows, 2n) = p (rows, 3n) B, with g of `linearise`."""
+    for a in range(len(p)):
+        for i in range(len(g)):
+            px, py, pt = p[a, 3 * i], p[a, 3 * i + 1], p[a, 3 * i + 2]
+            out[a, 2 * i] = px * g[i, 2] + py * g[i, 3]
+            out[a, 2 * i + 1] = px * g[i, 4] + py * g[i, 5] + pt * dt
+
+
+@inlined
+def times_state(p: FloatArray, g: FloatArray) -> None:
+    """p (rows, 3n) <- p A in place, with g of `linearise`: only the columns of the headings change."""
+    for a in range(len(p)):
+        for i in range(len(g)):
+            p[a, 3 * i + 2] += p[a, 3 * i] * g[i, 0] + p[a, 3 * i + 1] * g[i, 1]
 
 
 @kernel_for(NOTHING, STRIDED, REAL, REAL, STRIDED, STRIDED_OUT)
@@ -127,15 +158,3 @@ def age(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float, o
         x, y, theta = step(x, y, theta, inputs[j, 0], inputs[j, 1], min(left, interval))
         left -= interval
     out[0], out[1], out[2] = x, y, theta
-
-
-@kernel_for(MATRIX_OUT, VECTOR, MATRIX, REAL)
-def roll_out(pose: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
-    """Poses (N + 1, 3) along inputs (N, 2), each held for `interval`."""
-    poses = np.empty((len(inputs) + 1, 3))
-    poses[0] = pose
-    for j in range(len(inputs)):
-        poses[j + 1, 0], poses[j + 1, 1], poses[j + 1, 2] = step(
-            poses[j, 0], poses[j, 1], poses[j, 2], inputs[j, 0], inputs[j, 1], interval
-        )
-    return poses

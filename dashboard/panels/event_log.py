@@ -3,9 +3,8 @@
 from dashboard.theme.templates import render
 from network.messages import Event, State
 
-_COLOURS = {"run": "var(--r1)", "fault": "var(--warn)", "wire": "var(--warn)"}
-"""CSS colours of the kinds of events; the other kinds are red."""
-_GOOD = ("healthy", "is here", "moves again", "is back")
+_COLOURS = {"info": "var(--ok)", "warning": "var(--warn)", "error": "var(--bad)"}
+"""CSS colours by severity."""
 
 
 def event_log(state: State | None) -> str:
@@ -14,5 +13,4 @@ def event_log(state: State | None) -> str:
 
 
 def _colour(event: Event) -> str:
-    good = any(part in event.text for part in _GOOD)
-    return "var(--ok)" if good else _COLOURS.get(event.kind, "var(--bad)")
+    return "var(--r1)" if (event.kind, event.severity) == ("run", "info") else _COLOURS[event.severity]

@@ -1,15 +1,21 @@
 """Notices in the corner of the page: agents and links lost and found, and refused requests."""
 
+from collections.abc import Callable
+
 import viser
 
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
 from formation.links import LinkId
 
-GOOD, BAD, NEUTRAL = (52, 199, 150), (240, 72, 92), (86, 180, 233)
+GOOD, WORSE, BAD, NEUTRAL = (52, 199, 150), (247, 184, 62), (240, 72, 92), (86, 180, 233)
+COLOURS = {"info": GOOD, "warning": WORSE, "error": BAD}
 AT_ONCE = 4
 """More than so many links lost at once are one notice."""
 WELCOME_SECONDS = 20.0
+
+Notify = Callable[[int | None, str, str], None]
+"""(page or None for all, title, text): shows a notice, such as why a request was refused."""
 
 
 class Notices:
@@ -40,8 +46,7 @@ class Notices:
             self._newest = newest  # another world process, which numbers events from 1
         for event in state.events:
             if self._newest is not None and event.number > self._newest and event.kind in ("agent", "watchdog"):
-                good = "here" in event.text or "again" in event.text
-                self.notify(None, event.text.capitalize(), f"at {event.stamp:.1f} s", GOOD if good else BAD)
+                self.notify(None, event.text.capitalize(), f"at {event.stamp:.1f} s", COLOURS[event.severity])
         self._newest = newest
         self._links(state.episode, links)
 
@@ -55,7 +60,8 @@ class Notices:
             self.notify(None, "The world publishes nothing", "The page shows its last state and waits.")
 
     def _links(self, episode: int, links: list[LinkView]) -> None:
-        lost = {link.id: link for link in links if link.lost and not link.deaf}  # an agent's own event is a notice
+        # A link that is lost because its receiver has no agent is no notice: the agent's own event is one.
+        lost = {link.id: link for link in links if link.lost and (not link.deaf or link.id in self._lost)}
         if episode == self._episode:
             worse = [lost[link] for link in sorted(lost.keys() - self._lost)]
             if len(worse) > AT_ONCE:

@@ -1,11 +1,11 @@
 """Requests to the world: one thread sends them, so that no button waits and requests keep their order."""
 
 import threading
-from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
+from dashboard.panels.notices import Notify
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
 from network.bus import Bus
@@ -15,23 +15,21 @@ from network.throttled_log import ThrottledLog
 QUIET_SECONDS = 0.08
 """A slider that is dragged sends many values; the last one is requested once it has rested for so long [s]."""
 POLL_SECONDS = 0.04
-"""Between two looks at the resting values and the setup [s]."""
-
-Notify = Callable[[int | None, str, str], None]
-"""(page or None for all, title, text): shows a notice, such as why a request was refused."""
+"""Between two checks of the resting values and of the scenario [s]."""
 
 
 class RequestQueue:
     """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, session: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
-        self._session, self._telemetry, self._notify = session, telemetry, notify
-        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = (
-            SimpleQueue()
-        )  # None: look at the resting values
+    def __init__(self, bus: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+        self._bus, self._telemetry, self._notify = bus, telemetry, notify
+        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()
+        """What is sent, and for which page; None wakes the thread for a resting value."""
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
+        """Changes by links, of sliders that have not rested yet."""
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
+        """When they are sent, for how long the change holds [s], and the page."""
         self._errors = ThrottledLog()
         self._over = False
         self._thread = threading.Thread(target=self._work, name="requests", daemon=True)
@@ -112,8 +110,8 @@ class RequestQueue:
     def _do(self, operation: Operation) -> tuple[str, str] | None:
         """Send a request; returns title and text of a notice if it was not done."""
         try:
-            reply = self._session.ask(operation)
-            if reply is None and not self._session.connected:  # then None comes at once
+            reply = self._bus.ask(operation)
+            if reply is None and not self._bus.connected:  # then None comes at once
                 return "The network is gone", "The run's router cannot be reached, so the request was not sent."
         except WireError as error:
             return "The world's reply is not valid", str(error)

@@ -1,31 +1,12 @@
-"""Shapes and curves as arrays: meshes of bodies, digits as strokes, roll-outs of plans, dashes."""
+"""Shapes and curves as arrays: meshes of bodies, digits as strokes, dashes."""
 
 import math
 
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.unicycle import SMALL_TURN
 
 Faces = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
-
-
-def roll_out(poses: FloatArray, inputs: FloatArray, interval: float) -> FloatArray:
-    """Positions (n, N + 1, 2) of robots that hold each input for `interval` (formation/unicycle.py).
-
-    Args:
-        poses: (n, 3) at the start [m, m, rad].
-        inputs: (n, N, 2) v, omega [m/s, rad/s].
-        interval: [s].
-    """
-    half = 0.5 * interval * inputs[..., 1]
-    small = np.abs(half) < SMALL_TURN
-    chord = inputs[..., 0] * interval * np.where(small, 1.0 - half**2 / 6.0, np.sin(half) / np.where(small, 1.0, half))
-    turned = np.cumsum(2.0 * half, axis=1)
-    middle = poses[:, 2:] + turned - half
-    steps = np.stack([chord * np.cos(middle), chord * np.sin(middle)], axis=-1)
-    start = poses[:, None, :2]
-    return np.concatenate([start, start + np.cumsum(steps, axis=1)], axis=1)
 
 
 def segments(lines: FloatArray, z: float) -> FloatArray:

@@ -15,6 +15,7 @@ from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
 from formation.pattern import downstream
+from formation.unicycle import roll_out
 from network.messages import Plan, Status
 
 DASHES = 8
@@ -119,7 +120,7 @@ def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float
             inputs[row, : steps - gone] = plan.inputs[gone:]
             if now is None:
                 start[row] = plan.pose
-    return geometry.roll_out(start, inputs, interval)
+    return roll_out(start, inputs, interval)[..., :2]
 
 
 def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:

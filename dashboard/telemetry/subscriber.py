@@ -58,9 +58,9 @@ class Snapshot:
 class TelemetrySubscriber:
     """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
-    def __init__(self, session: Bus) -> None:
+    def __init__(self, bus: Bus) -> None:
         """Subscribe; `start` then begins to receive."""
-        self._session = session
+        self._bus = bus
         self._lock = threading.Lock()
         self._states: tuple[tuple[float, State], ...] = ()
         self._statuses: dict[int, Status] = {}
@@ -70,11 +70,11 @@ class TelemetrySubscriber:
         self._asked_at = 0.0
         self._over = False
         self._thread = threading.Thread(target=self._listen, name="telemetry", daemon=True)
-        run = session.run
-        session.subscribe(topics.state(run))
-        self._waiting = session.keep(topics.status(run, "*"), WAITING_STATUSES)
-        session.subscribe(topics.ghost(run))
-        session.appear("dashboard")
+        run = bus.run
+        bus.subscribe(topics.state(run))
+        self._waiting = bus.keep(topics.status(run, "*"), WAITING_STATUSES)
+        bus.subscribe(topics.ghost(run))
+        bus.appear("dashboard")
 
     def start(self) -> None:
         """Begin to receive."""
@@ -83,7 +83,7 @@ class TelemetrySubscriber:
     def stop(self) -> None:
         """Receive no more."""
         self._over = True
-        self._session.wake()
+        self._bus.wake()
         self._thread.join(1.0)
 
     def snapshot(self) -> Snapshot:
@@ -107,7 +107,7 @@ class TelemetrySubscriber:
             stamp=stamp,
             ghosts=ghosts,
             world_alive=bool(states) and now - states[-1][0] < topics.STATE.stale,
-            connected=self._session.connected,
+            connected=self._bus.connected,
         )
 
     # ------------------------------------------------------------------ the scenario
@@ -123,7 +123,7 @@ class TelemetrySubscriber:
             return
         self._asked_at = now
         try:
-            setup = self._session.setup()
+            setup = self._bus.setup()
             if setup is None:
                 return
             scenario = parse(json.loads(setup.scenario), where="the world's scenario")
@@ -137,7 +137,7 @@ class TelemetrySubscriber:
 
     def _listen(self) -> None:
         while not self._over:
-            for item in self._session.arrivals(0.5):
+            for item in self._bus.arrivals(0.5):
                 if isinstance(item, Sample):
                     self._take(item)
 

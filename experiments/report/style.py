@@ -15,6 +15,8 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from formation.scenario import registry
+
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 ORANGE, SKY, PURPLE, YELLOW, BLACK, GREY = "#E69F00", "#56B4E9", "#CC79A7", "#B8A800", "#222222", "#767676"
 """Okabe and Ito (2008), told apart with any colour vision; its yellow is darkened to be seen on white."""
@@ -22,14 +24,7 @@ PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, YELLOW, GREY)
 """For whatever has no colour of its own, in this order."""
 MARKERS = ("s", "^", "o", "D", "v", "P", "X", "*")
 """With the palette, so that print without colour stays readable; the first three are the paper's (fig. 3)."""
-CONTROLLERS = {
-    "nash": BLUE,
-    "paper": VERMILION,
-    "leader_follower": PURPLE,
-    "virtual_structure": GREEN,
-    "consensus": ORANGE,
-    "centralised": BLACK,
-}
+CONTROLLERS = {name: f"#{spec.colour}" for name, spec in registry.CONTROLLERS.items()}
 """A controller has the same colour in every figure."""
 
 WIDTH = 7.2

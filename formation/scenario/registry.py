@@ -1,22 +1,76 @@
-"""The controllers by name: which there are, how many weights each has, and which can run as processes."""
+"""The controllers by name: their options, colour, and what a run has to know of them. One line each.
 
-from typing import Literal, get_args
+agents/controllers/registry.py has a constructor for each of these names.
+"""
 
-from formation.errors import ScenarioError
+from dataclasses import dataclass
 
-ControllerName = Literal["nash", "paper", "leader_follower", "virtual_structure", "consensus", "centralised"]
-NAMES: tuple[ControllerName, ...] = get_args(ControllerName)
-IN_PROCESS: tuple[ControllerName, ...] = ("centralised",)
-"""Controllers that plan for all robots in one process, with their true poses; no separate agent can run them."""
-LIVE: tuple[ControllerName, ...] = tuple(name for name in NAMES if name not in IN_PROCESS)
-"""Controllers that can run as processes."""
-WEIGHTS: dict[ControllerName, int] = {"nash": 6, "centralised": 6, "paper": 5, "virtual_structure": 3}
-"""Length of the diagonal of Q; a controller that is not named has no Q."""
-AGEING: tuple[ControllerName, ...] = ("nash", "consensus")
-"""Controllers that carry a received plan forward to now by default."""
+from formation.errors import ScenarioError, unknown
+from formation.scenario.controllers import (
+    CentralisedOptions,
+    ConsensusOptions,
+    ControllerOptions,
+    LeaderFollowerOptions,
+    NashOptions,
+    PaperOptions,
+    VirtualStructureOptions,
+)
 
 
-def refusal(name: ControllerName) -> ScenarioError:
+@dataclass(frozen=True, slots=True)
+class ControllerSpec:
+    """What is known of a controller without loading it."""
+
+    options: type[ControllerOptions]
+    colour: str
+    """In every figure, rrggbb (Okabe and Ito 2008)."""
+    ages_plans: bool = False
+    """Whether it rolls a received plan forward to now unless the scenario sets `age_plans`."""
+    in_process_only: bool = False
+    """Whether it is one controller for all robots, which needs their true poses: no agent process can have it."""
+    rounds_corners: bool = True
+    """Whether its references turn corners feasibly; else it follows the paper's, jumps included."""
+
+    @property
+    def name(self) -> str:
+        """As a scenario names it."""
+        return str(self.options.model_fields["name"].default)
+
+
+_SPECS = (
+    ControllerSpec(NashOptions, "0072B2", ages_plans=True),
+    ControllerSpec(PaperOptions, "D55E00", rounds_corners=False),
+    ControllerSpec(LeaderFollowerOptions, "CC79A7", rounds_corners=False),
+    ControllerSpec(VirtualStructureOptions, "009E73"),
+    ControllerSpec(ConsensusOptions, "E69F00", ages_plans=True),
+    ControllerSpec(CentralisedOptions, "222222", in_process_only=True),
+)
+CONTROLLERS: dict[str, ControllerSpec] = {spec.name: spec for spec in _SPECS}
+DEFAULT = _SPECS[0].name
+"""Of a scenario that names no controller."""
+NAMES = tuple(CONTROLLERS)
+IN_PROCESS = tuple(name for name, spec in CONTROLLERS.items() if spec.in_process_only)
+LIVE = tuple(name for name in NAMES if name not in IN_PROCESS)
+"""What can run as processes."""
+
+
+def spec_of(options: ControllerOptions) -> ControllerSpec:
+    """The spec of a scenario's controller."""
+    return CONTROLLERS[options.name]
+
+
+def check_name(name: str, *others: str) -> str:
+    """The name, if there is such a controller or it is one of the others.
+
+    Raises:
+        ValueError: it is neither; the text lists what there is.
+    """
+    if name not in (*NAMES, *others):
+        raise ValueError(unknown("controller", name, [*NAMES, *others]).partition(": ")[2])
+    return name
+
+
+def refusal(name: str) -> ScenarioError:
     """The error for a controller of `IN_PROCESS` that was to run as processes."""
     return ScenarioError(
         f"controller.name: {name} plans for all robots in one process: expected run --engine inprocess, "
@@ -24,7 +78,7 @@ def refusal(name: ControllerName) -> ScenarioError:
     )
 
 
-def check_live(name: ControllerName) -> None:
+def check_live(name: str) -> None:
     """Refuse a controller that cannot run as processes.
 
     Raises:

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Union
 
 import numpy as np
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.disturbances import Disturbance, robots_missing
@@ -18,7 +18,8 @@ from formation.orientation import orientation_of
 from formation.paths.kinds import AnyPath
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
-from formation.scenario.registry import WEIGHTS, ControllerName
+from formation.scenario.controllers import ControllerOptions, NashOptions
+from formation.scenario.registry import CONTROLLERS, DEFAULT
 from formation.schema import Duration, Model, NonNegative, Positive
 
 MAX_TICKS = 1_000_000
@@ -68,42 +69,19 @@ class Noise(Model):
     """Error of the measured heading [rad]."""
 
 
-class Controller(Model):
-    """The agents' controller. Weights that are absent are the controller's defaults."""
+def _named(given: object) -> object:
+    """The table of a controller with the name that it has by default."""
+    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
 
-    name: ControllerName = "nash"
-    horizon: Annotated[int, Field(ge=2, le=100)] = 20
-    """N [prediction intervals]."""
-    prediction_interval: Positive = 0.1
-    """Delta_T [s]; a whole number of control intervals."""
-    plan_every: Annotated[int, Field(ge=1, le=100)] = 1
-    """Ticks from one plan to the next; in between the plan's own inputs are applied."""
-    age_plans: bool | None = None
-    """Roll a received plan forward to now (nash, consensus), or take it as if fresh (paper, leader_follower)."""
-    q: list[NonNegative] | None = None
-    """Diagonal of Q. nash, centralised: centre, centre, mean heading, radial, tangential, half-difference of headings;
-    paper: x_e, y_e, theta_e, l_e, psi_e; virtual_structure: x, y, heading."""
-    r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
-    """Diagonal of R: v, omega."""
-    formation: Positive = 0.3
-    """Weight of the pattern relative to the path (nash); all other weights are derived from the spacing. A larger value
-    holds the pattern tighter and makes it depend more on fresh messages."""
-    waits: bool = True
-    """Whether a robot waits for those that cannot keep up (nash)."""
-    errata: tuple[Literal[1, 2, 3, 4, 5, 13, 14], ...] = ()
-    """Errata of the paper's algorithm that are corrected in `paper`, 13 in `leader_follower`; none by default."""
-    misprints: tuple[Literal[6, 7, 11], ...] = ()
-    """Errata that are brought back; without them the tests' data follow from the offsets. `paper`: 6, the virtual
-    centre of the triangle; 7, psi_r of the second of two robots. `leader_follower`: 11."""
-    gains: tuple[Positive, Positive] = (0.1, 0.1)
-    """k_x and k_theta of `leader_follower`."""
 
-    @model_validator(mode="after")
-    def _weights(self) -> "Controller":
-        expected = WEIGHTS.get(self.name)
-        if self.q is not None and expected is not None and len(self.q) != expected:
-            raise ValueError(f"expected {expected} values in q for {self.name}; got {len(self.q)}")
-        return self
+if TYPE_CHECKING:
+    AnyController = ControllerOptions
+else:
+    AnyController = Annotated[
+        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
+        Field(discriminator="name"),
+        BeforeValidator(_named),
+    ]
 
 
 class Scenario(Model):
@@ -121,7 +99,7 @@ class Scenario(Model):
     formation: Formation
     robots: Robots = Robots()
     noise: Noise = Noise()
-    controller: Controller = Controller()
+    controller: AnyController = NashOptions()
     link: Fault = Fault()
     """Fault of every link between robots, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()

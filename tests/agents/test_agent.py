@@ -1,4 +1,4 @@
-"""One robot's mind: whose plans it believes, what it does without them, and what it does not know it does not use."""
+"""One robot's agent: whose plans it uses, what it does without them, and that it uses nothing it was not given."""
 
 # mypy: disable-error-code="call-arg, no-any-return"
 # (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
@@ -39,14 +39,14 @@ def start(scenario: Scenario, robot: int) -> FloatArray:
     return scenario.start_poses()[robot - 1]
 
 
-def answers(mind: Agent, pose: FloatArray, ticks: range) -> list[Answer]:
+def answers(one: Agent, pose: FloatArray, ticks: range) -> list[Answer]:
     """Answers on consecutive ticks, with the robot held in one place."""
-    return [mind.step(k, k * TICK, pose) for k in ticks]
+    return [one.step(k, k * TICK, pose) for k in ticks]
 
 
-def believed(mind: Agent, k: int) -> int:
+def believed(one: Agent, k: int) -> int:
     """Number of the plan that it goes by at tick k; -1 for none."""
-    held = mind.status(k, k * TICK).held
+    held = one.status(k, k * TICK).held
     return -1 if held is None else held.seq
 
 
@@ -57,92 +57,92 @@ POSE = start(load("circle"), 1)
 
 
 def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
-    mind = agent()
-    mind.receive(plan(0))
-    command = mind.step(1, TICK, POSE).command
+    one = agent()
+    one.receive(plan(0))
+    command = one.step(1, TICK, POSE).command
     assert command.age == pytest.approx(TICK)
-    assert believed(mind, 1) == 0
-    assert mind.counts().sent == mind.counts().delivered == 1
+    assert believed(one, 1) == 0
+    assert one.counts().sent == one.counts().delivered == 1
 
 
 @pytest.mark.parametrize(
     "stranger",
     [plan(0, episode=1), plan(0, sender=1), plan(0, sender=3), plan(0, sender=0)],
-    ids=["another flight", "itself", "somebody else", "the world"],
+    ids=["another episode", "itself", "somebody else", "the world"],
 )
 def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger: Any) -> None:
-    mind, alone = agent(), agent()
-    mind.receive(stranger)
-    got, expected = mind.step(1, TICK, POSE), alone.step(1, TICK, POSE)
-    assert mind.counts().sent == 0
-    assert believed(mind, 1) == -1
+    one, alone = agent(), agent()
+    one.receive(stranger)
+    got, expected = one.step(1, TICK, POSE), alone.step(1, TICK, POSE)
+    assert one.counts().sent == 0
+    assert believed(one, 1) == -1
     assert (got.command.v, got.command.omega) == (expected.command.v, expected.command.omega)
-    assert got.command.age == pytest.approx(TICK)  # since the start of the flight
+    assert got.command.age == pytest.approx(TICK)  # since the start of the episode
 
 
-def test_an_agent_of_a_later_flight_believes_plans_of_that_flight() -> None:
-    mind = agent(episode=7)
-    mind.receive(plan(0, episode=0))
-    mind.receive(plan(0, episode=7))
-    answer = mind.step(1, TICK, POSE)
-    assert mind.counts().sent == 1
+def test_an_agent_of_a_later_episode_uses_plans_of_that_episode() -> None:
+    one = agent(episode=7)
+    one.receive(plan(0, episode=0))
+    one.receive(plan(0, episode=7))
+    answer = one.step(1, TICK, POSE)
+    assert one.counts().sent == 1
     assert answer.command.episode == 7
     assert answer.plan is not None
     assert answer.plan.episode == 7
 
 
 def test_a_plan_that_was_there_before_is_ignored() -> None:
-    mind = agent()
+    one = agent()
     for k in (3, 3, 2, 4):
-        mind.receive(plan(k))
-    assert mind.counts().sent == 2
-    assert mind.heard == 4
+        one.receive(plan(k))
+    assert one.counts().sent == 2
+    assert one.heard == 4
 
 
 def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None:
-    mind = agent()
-    mind.set_faults({LinkId(2, 1): Fault(latency=0.5)})
-    mind.receive(plan(0))
-    mind.set_faults({})
-    mind.receive(plan(10))
-    mind.step(11, 0.11, POSE)
-    assert believed(mind, 11) == 10
-    command = mind.step(60, 0.60, POSE).command
-    assert mind.counts().late == 1
-    assert mind.counts().delivered == 2
-    assert believed(mind, 60) == 10
+    one = agent()
+    one.set_faults({LinkId(2, 1): Fault(latency=0.5)})
+    one.receive(plan(0))
+    one.set_faults({})
+    one.receive(plan(10))
+    one.step(11, 0.11, POSE)
+    assert believed(one, 11) == 10
+    command = one.step(60, 0.60, POSE).command
+    assert one.counts().late == 1
+    assert one.counts().delivered == 2
+    assert believed(one, 60) == 10
     assert command.age == pytest.approx(0.5)
 
 
 def test_a_damaged_plan_is_counted_and_not_used() -> None:
-    mind, alone = agent(), agent()
-    mind.set_faults({LinkId(2, 1): Fault(corrupt=1.0)})
+    one, alone = agent(), agent()
+    one.set_faults({LinkId(2, 1): Fault(corrupt=1.0)})
     for k in range(5):
-        mind.receive(plan(k))
-        alone_answer, answer = alone.step(k, k * TICK, POSE), mind.step(k, k * TICK, POSE)
+        one.receive(plan(k))
+        alone_answer, answer = alone.step(k, k * TICK, POSE), one.step(k, k * TICK, POSE)
         assert answer.command.v == alone_answer.command.v
-    c = mind.counts()
+    c = one.counts()
     assert (c.sent, c.delivered, c.corrupt) == (5, 5, 5)
-    assert believed(mind, 4) == -1
+    assert believed(one, 4) == -1
 
 
 def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
-    mind, alone = agent(), agent()
-    mind.set_faults({LinkId(2, 1): Fault(latency=0.05)})
-    mind.receive(plan(0))
+    one, alone = agent(), agent()
+    one.set_faults({LinkId(2, 1): Fault(latency=0.05)})
+    one.receive(plan(0))
     for k in range(5):
-        assert mind.step(k, k * TICK, POSE).command.v == alone.step(k, k * TICK, POSE).command.v
-        assert believed(mind, k) == -1
-    command = mind.step(5, 0.05, POSE).command
-    assert believed(mind, 5) == 0
+        assert one.step(k, k * TICK, POSE).command.v == alone.step(k, k * TICK, POSE).command.v
+        assert believed(one, k) == -1
+    command = one.step(5, 0.05, POSE).command
+    assert believed(one, 5) == 0
     assert command.age == pytest.approx(0.05)
 
 
 def test_the_scenarios_own_link_holds_from_the_first_tick() -> None:
-    mind = agent(1, "link.latency=0.05")
-    mind.receive(plan(0))
-    mind.step(0, 0.0, POSE)
-    assert mind.counts().in_flight == 1
+    one = agent(1, "link.latency=0.05")
+    one.receive(plan(0))
+    one.step(0, 0.0, POSE)
+    assert one.counts().in_flight == 1
 
 
 @given(st.floats(-1e300, 1e300), st.floats(1e-300, 1e300), st.sampled_from(["nash", "paper"]))
@@ -150,20 +150,20 @@ def test_the_scenarios_own_link_holds_from_the_first_tick() -> None:
 def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(
     number: Any, interval: Any, controller: Any
 ) -> None:
-    mind = agent(1, f"controller.name={controller}")
+    one = agent(1, f"controller.name={controller}")
     wild = plan(0, pose=np.full(3, number), interval=interval, inputs=np.full((20, 2), -number))
     with np.errstate(all="ignore"):
-        mind.receive(decode(Plan, encode(wild)))
-        command = mind.step(1, TICK, POSE).command
+        one.receive(decode(Plan, encode(wild)))
+        command = one.step(1, TICK, POSE).command
     assert abs(command.v) <= 0.5
     assert abs(command.omega) <= 2.0
 
 
 @pytest.mark.parametrize("steps", [1, 19, 21, 100])
 def test_a_plan_of_another_horizon_does_no_harm(steps: Any) -> None:
-    mind = agent()
-    mind.receive(plan(0, inputs=np.ones((steps, 2))))
-    command = mind.step(1, TICK, POSE).command
+    one = agent()
+    one.receive(plan(0, inputs=np.ones((steps, 2))))
+    command = one.step(1, TICK, POSE).command
     assert abs(command.v) <= 0.5
 
 
@@ -171,8 +171,8 @@ def test_a_plan_of_another_horizon_does_no_harm(steps: Any) -> None:
 
 
 def test_a_command_and_a_plan_carry_tick_stamp_and_sender() -> None:
-    mind = agent(2)
-    answer = mind.step(37, 0.37, start(load("circle"), 2))
+    one = agent(2)
+    answer = one.step(37, 0.37, start(load("circle"), 2))
     for message in (answer.command, answer.plan):
         assert message is not None
         assert (message.sender, message.seq, message.stamp, message.episode) == (2, 37, 0.37, 0)
@@ -185,8 +185,8 @@ def test_a_command_and_a_plan_carry_tick_stamp_and_sender() -> None:
 
 
 def test_between_plans_the_plans_own_inputs_are_applied() -> None:
-    mind = agent(1, "controller.plan_every=15", name="figure8")
-    said = answers(mind, start(load("figure8"), 1), range(30))
+    one = agent(1, "controller.plan_every=15", name="figure8")
+    said = answers(one, start(load("figure8"), 1), range(30))
     assert [k for k, answer in enumerate(said) if answer.plan is not None] == [0, 15]
     first = said[0].plan
     assert first is not None
@@ -197,17 +197,17 @@ def test_between_plans_the_plans_own_inputs_are_applied() -> None:
 
 
 def test_who_starts_between_two_planning_ticks_plans_at_once() -> None:
-    mind = agent(1, "controller.plan_every=10")
-    assert mind.step(7, 0.07, POSE).plan is not None
-    assert mind.step(8, 0.08, POSE).plan is None
-    assert mind.step(10, 0.10, POSE).plan is not None
+    one = agent(1, "controller.plan_every=10")
+    assert one.step(7, 0.07, POSE).plan is not None
+    assert one.step(8, 0.08, POSE).plan is None
+    assert one.step(10, 0.10, POSE).plan is not None
 
 
 def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
-    mind = agent()
-    mind.receive(plan(0))
-    mind.step(3, 0.03, POSE)
-    said = mind.status(3, 0.03, missed=4, rejected=5, pid=6)
+    one = agent()
+    one.receive(plan(0))
+    one.step(3, 0.03, POSE)
+    said = one.status(3, 0.03, missed=4, rejected=5, pid=6)
     assert (said.sender, said.link) == (1, LinkId(2, 1))
     assert said.held is not None
     assert (said.held.sender, said.held.seq) == (2, 0)
@@ -222,8 +222,8 @@ def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
 
 def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:
     first, second = agent(), agent()
-    for mind in (first, second):
-        mind.receive(plan(0))
+    for one in (first, second):
+        one.receive(plan(0))
     for k in range(1, 6):
         a, b = first.step(k, k * TICK, POSE), second.step(k, k * TICK, POSE)
         assert (a.command.v, a.command.omega) == (b.command.v, b.command.omega)
@@ -236,22 +236,22 @@ def test_the_answer_depends_on_nothing_but_what_it_was_given() -> None:
 
 
 def test_who_never_learned_where_it_is_does_not_move_and_says_no_plan() -> None:
-    mind = agent()
-    mind.set_faults({LinkId(0, 1): Fault(cut=True)})
-    mind.receive(plan(0))
-    for answer in answers(mind, POSE, range(1, 50)):
+    one = agent()
+    one.set_faults({LinkId(0, 1): Fault(cut=True)})
+    one.receive(plan(0))
+    for answer in answers(one, POSE, range(1, 50)):
         assert (answer.command.v, answer.command.omega) == (0.0, 0.0)
         assert answer.plan is None
         assert not answer.command.planned
 
 
 def test_with_late_poses_it_dead_reckons_along_its_own_commands() -> None:
-    mind = agent()
+    one = agent()
     pose = tuple(POSE)
     truth = [pose]
-    mind.set_faults({LinkId(0, 1): Fault(latency=0.2)})
+    one.set_faults({LinkId(0, 1): Fault(latency=0.2)})
     for k in range(100):
-        answer = mind.step(k, k * TICK, np.array(pose))
+        answer = one.step(k, k * TICK, np.array(pose))
         if k < 20:
             assert answer.plan is None  # the first pose is still on its way
         else:
@@ -264,43 +264,43 @@ def test_with_late_poses_it_dead_reckons_along_its_own_commands() -> None:
 
 
 def test_when_poses_are_cut_it_goes_on_by_dead_reckoning_alone() -> None:
-    mind, pose = agent(), tuple(POSE)
+    one, pose = agent(), tuple(POSE)
     for k in range(60):
         if k == 10:
-            mind.set_faults({LinkId(0, 1): Fault(cut=True)})
+            one.set_faults({LinkId(0, 1): Fault(cut=True)})
         measured = np.array(pose) if k < 10 else np.array([99.0, 99.0, 0.0])  # what it is not told does not matter
-        answer = mind.step(k, k * TICK, measured)
+        answer = one.step(k, k * TICK, measured)
         assert answer.plan is not None
         np.testing.assert_allclose(answer.plan.pose, pose, atol=1e-12)
         pose = step(*pose, answer.command.v, answer.command.omega, TICK)
 
 
 def test_once_the_pose_link_is_mended_it_believes_what_it_measures() -> None:
-    mind = agent()
-    mind.set_faults({LinkId(0, 1): Fault(cut=True)})
-    answers(mind, POSE, range(5))
-    mind.set_faults({})
-    answer = mind.step(5, 0.05, POSE)
+    one = agent()
+    one.set_faults({LinkId(0, 1): Fault(cut=True)})
+    answers(one, POSE, range(5))
+    one.set_faults({})
+    answer = one.step(5, 0.05, POSE)
     assert answer.plan is not None
     np.testing.assert_array_equal(answer.plan.pose, POSE)
 
 
 def test_a_damaged_pose_is_not_believed() -> None:
-    mind = agent()
-    mind.set_faults({LinkId(0, 1): Fault(corrupt=1.0)})
-    assert mind.step(0, 0.0, POSE).plan is None
+    one = agent()
+    one.set_faults({LinkId(0, 1): Fault(corrupt=1.0)})
+    assert one.step(0, 0.0, POSE).plan is None
 
 
 def test_a_robot_without_poses_stands_still_in_the_world_as_well() -> None:
     scenario = load("circle", ['faults=[{link="world->1", cut=true}]'])
     world = World(scenario)
-    minds = {i: Agent(scenario, i) for i in world.robots}
+    agents = {i: Agent(scenario, i) for i in world.robots}
     before = world.plant.poses.copy()
     for _ in range(50):
         tick = world.tick()
-        for mind in minds.values():
-            mind.set_faults(world.faults.table)
-        world.advance({i: mind.step(tick.seq, tick.stamp, tick.poses[i - 1]).command for i, mind in minds.items()})
+        for one in agents.values():
+            one.set_faults(world.faults.table)
+        world.advance({i: one.step(tick.seq, tick.stamp, tick.poses[i - 1]).command for i, one in agents.items()})
     np.testing.assert_array_equal(world.plant.poses[0], before[0])
     assert math.dist(world.plant.poses[1, :2], before[1, :2]) > 0.005
     assert world.now > WATCHDOG

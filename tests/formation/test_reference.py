@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from formation.metrics import pattern_errors, wrapped
-from formation.paths.path import heading
 from formation.pattern import rotate
 from formation.reference import BLOCK_TICKS, HORIZONS, Block, Reference
 from formation.scenario.files import load
@@ -20,14 +19,14 @@ from formation.unicycle import step
 SMOOTH = ["circle", "sinusoid", "figure8", "triangle-circle", "hexagon-sinusoid", "ring-16"]
 
 
-def flown(name: str, *settings: str) -> tuple[Scenario, Block]:
+def table(name: str, *settings: str) -> tuple[Scenario, Block]:
     scenario = load(name, settings)
     return scenario, scenario.reference().block(0)
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_an_input_takes_a_slot_to_its_next_pose_within_a_micrometre(name: Any) -> None:
-    scenario, block = flown(name)
+    scenario, block = table(name)
     dt, stride = scenario.controller.prediction_interval, scenario.stride
     checked = 0
     for row in range(0, BLOCK_TICKS, 25):
@@ -42,7 +41,7 @@ def test_an_input_takes_a_slot_to_its_next_pose_within_a_micrometre(name: Any) -
 
 
 def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon() -> None:
-    scenario, block = flown("circle")
+    scenario, block = table("circle")
     for row in (0, 700):
         x, y, theta = block.slots[row, 0]
         for j in range(scenario.controller.horizon):
@@ -55,7 +54,7 @@ def test_a_slot_on_a_circle_is_followed_over_a_whole_horizon() -> None:
 
 @pytest.mark.parametrize("name", [*SMOOTH, "spiral", "square-figure8", "triangle-corner"])
 def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name: Any) -> None:
-    scenario, block = flown(name)
+    scenario, block = table(name)
     placed = rotate(block.centre[:, None, 2], scenario.formation.array)
     distance, angle = pattern_errors(block.slots, placed)
     assert np.abs(distance).max() < 1e-12
@@ -65,7 +64,7 @@ def test_all_pattern_errors_are_zero_when_every_robot_is_in_its_slot(name: Any) 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_a_slot_points_where_it_goes(name: Any) -> None:
-    _, block = flown(name)
+    _, block = table(name)
     t = slice(1, 1500)
     velocity = (block.slots[2:1501, :, :2] - block.slots[:1499, :, :2]) / 0.02
     theta = block.slots[t, :, 2]
@@ -77,26 +76,27 @@ def test_a_slot_points_where_it_goes(name: Any) -> None:
     assert np.median(np.abs(across / along)) < 1e-3
 
 
-def test_the_centre_is_sampled_as_the_paper_does() -> None:
-    scenario, block = flown("figure8")
+def test_the_centre_is_sampled_over_a_prediction_interval_as_in_the_paper() -> None:
+    """On a circle in closed form: the heading is that of the chord of the last interval, the speed that of the next."""
+    radius, rate, interval = 0.8, 0.05, 0.1
+    _, block = table("circle", f"path.radius={radius}", f"path.rate={rate}")
     t = np.arange(500) * 0.01
-    p, later = scenario.path.position(t), scenario.path.position(t + 0.1)
-    theta, theta_later = heading(scenario.path, t, 0.1), heading(scenario.path, t + 0.1, 0.1)
-    c = block.centre[:500]
-    np.testing.assert_allclose(c[:, :2], p, atol=1e-12)
-    np.testing.assert_allclose(c[:, 2], theta, atol=1e-9)
-    np.testing.assert_allclose(c[:, 3], np.hypot(*(later - p).T) / 0.1, atol=1e-9)
-    np.testing.assert_allclose(c[:, 4], wrapped(theta_later - theta) / 0.1, atol=1e-7)
+    centre = block.centre[:500]
+    np.testing.assert_allclose(centre[:, :2], radius * np.stack([np.cos(rate * t), np.sin(rate * t)], 1), atol=1e-12)
+    heading_of_chord = rate * (t - interval / 2) + math.pi / 2
+    np.testing.assert_allclose(wrapped(centre[:, 2] - heading_of_chord), 0.0, atol=1e-9)
+    np.testing.assert_allclose(centre[:, 3], 2 * radius * math.sin(rate * interval / 2) / interval, atol=1e-9)
+    np.testing.assert_allclose(centre[:, 4], rate, atol=1e-7)
 
 
 def test_slots_stand_at_the_offsets_turned_by_the_paths_heading() -> None:
-    scenario, block = flown("hexagon-sinusoid")
+    scenario, block = table("hexagon-sinusoid")
     expected = block.centre[:, None, :2] + rotate(block.centre[:, 2][:, None], scenario.formation.array)
     np.testing.assert_allclose(block.slots[..., :2], expected, atol=1e-12)
 
 
 def test_the_outer_robot_goes_faster_and_the_inner_slower() -> None:
-    scenario, block = flown("circle")  # 0.8 m at 0.05 rad/s, counter-clockwise: robot 1 stands right, outside
+    scenario, block = table("circle")  # 0.8 m at 0.05 rad/s, counter-clockwise: robot 1 stands right, outside
     outer, inner = block.inputs[100, :, 0]
     assert outer == pytest.approx(0.05 * 0.85, rel=1e-3)
     assert inner == pytest.approx(0.05 * 0.75, rel=1e-3)
@@ -104,8 +104,8 @@ def test_the_outer_robot_goes_faster_and_the_inner_slower() -> None:
     assert scenario.formation.array[0, 1] < 0
 
 
-def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_nose_ahead() -> None:
-    scenario, block = flown("circle", "path.radius=0.05", "formation.spacing=0.3")  # the inner offset is 0.15 m
+def test_a_slot_inside_a_tight_turn_goes_backwards_with_its_heading_ahead() -> None:
+    scenario, block = table("circle", "path.radius=0.05", "formation.spacing=0.3")  # the inner offset is 0.15 m
     outer, inner = block.inputs[100, :, 0]
     assert outer == pytest.approx(0.05 * 0.2, rel=0.02)
     assert inner == pytest.approx(-0.05 * 0.1, rel=0.06)
@@ -139,8 +139,8 @@ def test_a_block_holds_every_tick_to_the_end_of_the_horizon() -> None:
 
 def test_a_block_is_made_once() -> None:
     reference = load("figure8").reference()
-    assert reference.block(3) is reference.block(1999)
-    assert reference.block(3) is not reference.block(2000)
+    assert reference.block(3) is reference.block(BLOCK_TICKS - 1)
+    assert reference.block(3) is not reference.block(BLOCK_TICKS)
 
 
 def test_the_reference_of_some_robots_has_their_columns() -> None:

@@ -6,11 +6,12 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from formation.unicycle import SMALL_TURN, step, wrap
+from formation.unicycle import SMALL_TURN, roll_out, step, wrap
 
 POSE = st.tuples(st.floats(-5, 5), st.floats(-5, 5), st.floats(-4, 4))
 V = st.floats(-0.5, 0.5)
@@ -113,3 +114,16 @@ def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle: Any) -> Non
 @given(st.floats(-math.pi + 1e-9, math.pi - 1e-9), st.integers(-5, 5))
 def test_wrapping_takes_whole_turns_away(angle: Any, turns: Any) -> None:
     assert wrap(angle + 2 * math.pi * turns) == pytest.approx(angle, abs=1e-13)
+
+
+@given(
+    st.lists(st.tuples(st.floats(-0.5, 0.5), st.floats(-2.0, 2.0) | st.floats(-3e-3, 3e-3)), min_size=1, max_size=20),
+    st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-3.0, 3.0)),
+)
+def test_a_roll_out_is_step_after_step(inputs: list[tuple[float, float]], start: tuple[float, float, float]) -> None:
+    rolled = roll_out(np.array([start]), np.array([inputs]), 0.1)[0]
+    pose = start
+    assert rolled[0].tolist() == list(start)
+    for row, (v, omega) in enumerate(inputs, start=1):
+        pose = step(*pose, v, omega, 0.1)
+        np.testing.assert_allclose(rolled[row], pose, atol=1e-12)

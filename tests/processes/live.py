@@ -103,7 +103,7 @@ class Up:
         done = echelon("status", "--json", check=None)
         return json.loads(done.stdout) if done.returncode == 0 else {}
 
-    def flying(self) -> dict[str, Any]:
+    def running(self) -> dict[str, Any]:
         """Wait until time passes."""
         state: dict[str, Any] = wait_for(
             lambda: (s := self.status()) and s["status"] == "running" and s["stamp"] > 0.5 and s

@@ -1,4 +1,4 @@
-"""The ghost beside a live run of processes: idle until it is wanted, then the live flight's equal to the last bit."""
+"""The ghost beside a live run of processes: idle until requested, then equal to the live episode to the last bit."""
 
 import os
 import signal
@@ -49,9 +49,9 @@ class Ears:
         ]
 
 
-def test_the_ghost_of_the_live_controller_is_the_live_flight_through_faults_and_resets(up: Start) -> None:
+def test_the_ghost_of_the_live_controller_is_the_live_episode_through_faults_and_resets(up: Start) -> None:
     run = up("--no-dashboard", "--set", "noise.slip=0.1", "--set", "link.loss=0.2")
-    run.flying()
+    run.running()
     endpoint = find("test").endpoint
     with ZenohBus(endpoint, "test") as session:
         ears = Ears(session)

@@ -1,4 +1,4 @@
-"""The central law: in lockstep, processes over the network fly exactly what one process flies."""
+"""The central law: in lockstep, processes over the network give exactly the trajectory of one process."""
 
 import contextlib
 import json
@@ -48,7 +48,7 @@ GARBAGE = int(os.environ.get("ECHELON_GARBAGE", "300"))
 def simulate(
     name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None
 ) -> dict[str, Any]:
-    """One flight as processes, started in an order drawn from `order`."""
+    """One episode as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
         plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True)
@@ -81,11 +81,11 @@ def simulate(
             supervisor.stop()
 
 
-@pytest.mark.parametrize("flight", [BURSTY, JITTERY, NOISY], ids=["bursty", "jittery", "noisy"])
-def test_processes_fly_what_one_process_flies_in_any_start_order(flight: tuple[str, list[str]]) -> None:
-    alone = inprocess.simulate(load(*flight))
+@pytest.mark.parametrize("case", [BURSTY, JITTERY, NOISY], ids=["bursty", "jittery", "noisy"])
+def test_processes_give_the_trajectory_of_one_process_in_any_start_order(case: tuple[str, list[str]]) -> None:
+    alone = inprocess.simulate(load(*case))
     for order in (1, 2):
-        together = simulate(*flight, order=order)
+        together = simulate(*case, order=order)
         assert together["trajectory_sha256"] == alone["trajectory_sha256"]
         assert {link: f["lost"] for link, f in together["links"].items()} == {
             link: f["lost"] for link, f in alone["links"].items()

@@ -73,7 +73,7 @@ def test_a_taken_port_is_an_error(runs: Path) -> None:
 
 def test_names_links_and_presets_of_a_live_run_are_checked(up: Callable[..., Up]) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     for words, expected in (
         (["up", "--run", "test", "--no-dashboard"], "not in use"),
         (["fault", "set", "--link", "1->3", "--cut"], "1->2, 2->3, 3->1"),
@@ -86,5 +86,5 @@ def test_names_links_and_presets_of_a_live_run_are_checked(up: Callable[..., Up]
         done = echelon(*words, check=2)
         assert expected in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1
-    assert run.flying()["faults"] == {}
+    assert run.running()["faults"] == {}
     run.end()

@@ -23,7 +23,7 @@ def texts(up: Up) -> list[str]:
 
 def test_a_killed_agent_is_noticed_its_robot_stops_and_it_comes_back(up: Start) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     os.kill(run.pid("agent 2"), signal.SIGKILL)
     wait_for(lambda: texts(run).count("agent 2 is here") == 2)
     seen = texts(run)
@@ -41,7 +41,7 @@ def test_a_killed_agent_is_noticed_its_robot_stops_and_it_comes_back(up: Start) 
 
 def test_an_agent_that_a_person_kills_stays_down_until_it_is_restarted(up: Start, runs: Path) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     pid = run.pid("agent 2")
 
     def agents() -> list[int]:
@@ -70,10 +70,10 @@ def test_an_agent_that_a_person_kills_stays_down_until_it_is_restarted(up: Start
 
 def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
     run = up("--no-dashboard")
-    before = run.flying()
+    before = run.running()
     os.kill(run.pid("router"), signal.SIGKILL)
     wait_for(lambda: "router is back" in texts(run))
-    after = run.flying()
+    after = run.running()
     assert after["episode"] == before["episode"]
     assert "agent 1 lost" not in texts(run)
     wait_for(lambda: run.status()["stamp"] > after["stamp"] + 0.5)
@@ -82,7 +82,7 @@ def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
 
 def test_a_killed_dashboard_comes_back_at_the_same_address(up: Start) -> None:
     run = up("--port", "0")
-    run.flying()
+    run.running()
     address = wait_for(lambda: re.search(r"dashboard: (http://\S+)", run.text()))[1]
 
     def answers() -> bool:
@@ -100,7 +100,7 @@ def test_a_killed_dashboard_comes_back_at_the_same_address(up: Start) -> None:
 
 def test_an_agent_that_hangs_is_left_behind_and_taken_back(up: Start) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     pid = run.pid("agent 3")
     os.kill(pid, signal.SIGSTOP)
     try:
@@ -114,7 +114,7 @@ def test_an_agent_that_hangs_is_left_behind_and_taken_back(up: Start) -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ending_it_leaves_nothing(up: Start, runs: Path, number: int) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     assert len(processes(runs)) >= 6  # launcher, router, world and three agents are seen at all
     assert run.end(number) == 0
     assert [path.name for path in runs.iterdir()] == ["up.log"]
@@ -124,7 +124,7 @@ def test_ending_it_leaves_nothing(up: Start, runs: Path, number: int) -> None:
 
 def test_killing_it_leaves_nothing_after_five_seconds(up: Start, runs: Path) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     assert len(processes(runs)) >= 6
     run.end(signal.SIGKILL)
     wait_for(lambda: not processes(runs), 5.0)
@@ -133,16 +133,16 @@ def test_killing_it_leaves_nothing_after_five_seconds(up: Start, runs: Path) -> 
 
 def test_another_scenario_with_more_robots_gets_its_agents(up: Start) -> None:
     run = up("circle", "--no-dashboard")
-    run.flying()
+    run.running()
     echelon("control", "scenario", "square-figure8")
     wait_for(lambda: run.status().get("live") == [1, 2, 3, 4])
-    assert run.flying()["scenario"] == "square-figure8"
+    assert run.running()["scenario"] == "square-figure8"
     run.end()
 
 
 def test_time_obeys_the_commands(up: Start) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     echelon("control", "pause")
     held = run.status()["stamp"]
     time.sleep(0.3)
@@ -160,7 +160,7 @@ def test_time_obeys_the_commands(up: Start) -> None:
 
 def test_faults_are_set_expire_and_clear(up: Start) -> None:
     run = up("--no-dashboard")
-    run.flying()
+    run.running()
     echelon("fault", "set", "--link", "1->2", "--latency", "300ms", "--loss", "30%", "--burst", "5")
     assert run.status()["faults"] == {"1->2": {"latency": 0.3, "loss": 0.3, "burst": 5.0}}
     echelon("fault", "preset", "wifi", "--link", "2->3", "--for", "6s")
@@ -172,7 +172,7 @@ def test_faults_are_set_expire_and_clear(up: Start) -> None:
     run.end()
 
 
-def test_in_real_time_a_short_flight_is_flown(runs: Path) -> None:
+def test_in_real_time_a_short_episode_runs_to_its_end(runs: Path) -> None:
     words = ["run", "--duration", "3", "--realtime", "--json"]
     assert '"overruns"' in echelon(*words).stdout
     assert not list(runs.iterdir())

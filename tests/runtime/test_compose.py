@@ -18,10 +18,24 @@ ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
 
 
+class Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+    """Refuses a key that stands twice in one map, as compose does and PyYAML does not."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        own = [key.value for key, _ in node.value if key.value != "<<"]
+        assert len(own) == len(set(own)), f"twice in one map: {own}"
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """The file as compose reads it."""
+    found: dict[str, Any] = yaml.load(text, Loader)
+    return found
+
+
 def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
-    found: dict[str, Any] = yaml.safe_load(compose_file(scenario, load(scenario, overrides or {}), overrides))[
-        "services"
-    ]
+    found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, overrides or {}), overrides))["services"]
     return found
 
 
@@ -37,6 +51,12 @@ def without(arguments: Sequence[str], *flags: str) -> list[str]:
             at = left.index(flag)
             del left[at : at + 2]
     return left
+
+
+def test_a_key_that_stands_twice_is_found() -> None:
+    assert parsed("x: &s {a: 1}\ny: {<<: *s, b: 2}") == {"x": {"a": 1}, "y": {"a": 1, "b": 2}}
+    with pytest.raises(AssertionError, match="twice"):
+        parsed("x: {a: 1, a: 2}")
 
 
 def test_the_file_is_what_the_generator_gives() -> None:
@@ -119,7 +139,7 @@ def test_one_service_builds_the_image_that_all_use() -> None:
 
 
 def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() -> None:
-    """A kernel's cache goes by its source's path: compiled from the copied folders, no container would find it."""
+    """Kernels are compiled from the packages that containers run, not from the copied folders."""
     lines = (ROOT / "Dockerfile").read_text().splitlines()
     copied = {line.split()[1] for line in lines if re.fullmatch(r"COPY (\S+) \1", line)}
     packages = re.search(r"^packages = (\[.*\])$", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)

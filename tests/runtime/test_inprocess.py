@@ -1,4 +1,4 @@
-"""The fast engine: it repeats itself, numbering does not matter, faults do not depend on who flies, figures are met."""
+"""The fast engine: it repeats itself, numbering does not matter, faults ignore the controller, figures are met."""
 
 # mypy: disable-error-code="no-any-return"
 # (unpacked poses, numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
@@ -79,7 +79,7 @@ def test_this_files_loop_is_that_of_the_engine() -> None:
 
 
 @pytest.mark.parametrize("settings", [[], NOISY, ["link.jitter=0.05", "link.latency=0.05", "link.loss=0.2"]])
-def test_the_same_seed_flies_the_same_trajectory_to_the_last_bit(settings: Any) -> None:
+def test_the_same_seed_gives_the_same_trajectory_to_the_last_bit(settings: Any) -> None:
     scenario = load("triangle-circle", ["duration=2", *settings])
     assert simulate(scenario)["trajectory_sha256"] == simulate(scenario)["trajectory_sha256"]
 
@@ -87,7 +87,7 @@ def test_the_same_seed_flies_the_same_trajectory_to_the_last_bit(settings: Any) 
 @pytest.mark.parametrize(
     "setting", ["noise.slip=0.2", "noise.gyro=0.2", "noise.position=0.001", "noise.heading=0.01", "link.loss=0.5"]
 )
-def test_another_seed_flies_another_trajectory_where_chance_has_a_part(setting: Any) -> None:
+def test_another_seed_gives_another_trajectory_where_chance_has_a_part(setting: Any) -> None:
     def sha(seed: int) -> str:
         return str(simulate(load("triangle-circle", ["duration=1", f"seed={seed}", setting]))["trajectory_sha256"])
 
@@ -140,7 +140,7 @@ def test_progress_is_told_in_growing_simulated_time() -> None:
     assert len(told) == 4
 
 
-# ---------------------------------------------------------------- figures of the README, on short flights
+# ---------------------------------------------------------------- figures of the README, on short episodes
 
 
 def test_nash_keeps_a_triangle_on_a_circle_to_a_twentieth_of_a_millimetre() -> None:

@@ -205,11 +205,9 @@ def test_a_fault_without_an_end_stays() -> None:
 def test_an_update_tells_every_link_that_changed_once() -> None:
     faults = state({"at": 1.0, "until": 2.0, "link": "2->3", "loss": 0.5})
     assert faults.update(0.99) == []
-    [line] = faults.update(1.0)
-    assert line.startswith("2->3: ")
-    assert "loss 50 %" in line
+    assert faults.update(1.0) == [(LinkId(2, 3), Fault(loss=0.5))]
     assert faults.update(1.01) == []
-    assert faults.update(2.0) == ["2->3: healthy"]
+    assert faults.update(2.0) == [(LinkId(2, 3), PERFECT)]
     assert faults.update(2.01) == []
 
 

@@ -83,7 +83,7 @@ def test_an_agent_that_is_coming_back_anyway_is_not_killed(clock: _Clock) -> Non
     assert roster.dismissed == []
 
 
-def test_a_new_flight_does_not_wait_for_the_killed(clock: _Clock) -> None:
+def test_a_new_episode_does_not_wait_for_the_killed(clock: _Clock) -> None:
     world, roster, orders = run_of_three()
     orders.obey(Kill(robot=2))
     dies(roster, clock, 2)

@@ -102,17 +102,16 @@ def test_the_last_tick_is_marked_and_the_episode_then_ends() -> None:
 # ---------------------------------------------------------------- the watchdog
 
 
-def test_a_robot_without_a_fresh_command_stops_after_0_2_s_and_says_so_once() -> None:
+def test_a_robot_without_a_fresh_command_stops_after_a_while_with_one_event() -> None:
     w = world()
     simulate(w, 10)
+    patience = round(WATCHDOG / TICK)
     moved = []
-    for _ in range(60):
+    for _ in range(3 * patience):
         before = w.plant.poses[0]
         w.advance({i: command(i, w.k) for i in (2, 3)})
         moved.append(bool(np.any(w.plant.poses[0] != before)))
-    # The last command is of tick 9: until 0.29 s it is not older than 0.2 s.
-    assert moved == [True] * 20 + [False] * 40
-    assert WATCHDOG == 0.2
+    assert moved == [True] * patience + [False] * 2 * patience
     assert told(w, "watchdog") == ["robot 1 stopped: no fresh command"]
     assert w.state(seq=0, status="running").stopped == [1]
     simulate(w, 1)
@@ -161,7 +160,7 @@ def test_a_damaged_command_is_not_obeyed() -> None:
     np.testing.assert_array_equal(w.plant.poses[0], start[0])
 
 
-# ---------------------------------------------------------------- a new flight
+# ---------------------------------------------------------------- a new episode
 
 
 def test_reset_starts_a_new_epoch_at_time_zero_with_the_same_poses() -> None:
@@ -363,9 +362,9 @@ def test_the_summary_is_what_a_direct_computation_gives() -> None:
         assert s["solve_s"]["median"] == pytest.approx(0.002)
         assert (s["ticks"], s["seed"], s["scenario"], s["controller"]) == (60, 0, "triangle-circle", "nash")
         assert (s["duration"], s["warmup"]) == (pytest.approx(0.6), pytest.approx(warmup))
-        # The sha is of the whole flight, whatever the warm-up.
+        # The sha is of the whole episode, whatever the warm-up.
         assert s["trajectory_sha256"] == hashlib.sha256(track.astype("<f8").tobytes()).hexdigest()
-        assert s["events"] == [{"t": e.stamp, "kind": e.kind, "text": e.text} for e in w.events]
+        assert s["events"] == [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in w.events]
 
 
 def test_an_episode_that_has_not_begun_has_a_summary_without_ages() -> None:

@@ -18,8 +18,9 @@ from agents.controllers.consensus import Consensus
 from agents.controllers.nash import weights as nash_weights
 from agents.controllers.pair import Pair
 from agents.kernels.consensus import roll_law
-from agents.kernels.pair_game import cost as pair_cost
-from agents.kernels.team_game import cost, optimise, ring_weights
+from agents.kernels.lq import cost, optimise
+from agents.kernels.pair_cost import cost as pair_cost
+from agents.kernels.pair_cost import ring_weights
 from dashboard.panels.run import RunPanel
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
@@ -80,9 +81,9 @@ def test_a_baseline_that_stands_in_its_slots_stays_there(controller: Any) -> Non
 
 @pytest.mark.parametrize("controller", BASELINES)
 def test_limits_are_kept_from_a_wild_start(controller: Any) -> None:
-    flight = Simulation(scenario(controller, "duration=1", "robots.start_noise={position=0.5, heading=2}"))
-    flight.simulate()
-    inputs = np.abs(flight.trace.inputs)
+    simulation = Simulation(scenario(controller, "duration=1", "robots.start_noise={position=0.5, heading=2}"))
+    simulation.simulate()
+    inputs = np.abs(simulation.trace.inputs)
     assert (inputs <= LIMITS + 1e-12).all()
     assert (inputs.max(axis=(0, 1)) > 0.99 * LIMITS).any()  # they were needed
 
@@ -101,12 +102,12 @@ def test_relabelling_the_robots_permutes_the_trajectories(controller: Any) -> No
             "robots": {"poses": np.roll(np.array(base.robots.poses), turn, axis=0).tolist()},
             "controller": {"name": controller},
         }
-        flight = Simulation(parse(raw))
-        flight.simulate()
-        return flight.trace.poses
+        simulation = Simulation(parse(raw))
+        simulation.simulate()
+        return simulation.trace.poses
 
     here, there = trajectory(0), trajectory(1)
-    # Sums in another order; where steps end at a tolerance, by at most that much over the flight.
+    # Sums in another order; where steps end at a tolerance, by at most that much over the episode.
     np.testing.assert_allclose(there, np.roll(here, 1, axis=1), atol=1e-6)
     assert np.abs(there - here).max() > 0.01
 
@@ -118,18 +119,18 @@ def test_relabelling_the_robots_permutes_the_trajectories(controller: Any) -> No
     "faults", ["link.cut=true", "link.latency=0.5", "link={loss=0.5, burst=5}", "link.corrupt=0.5"]
 )
 def test_messages_mean_nothing_to_a_virtual_structure(faults: Any) -> None:
-    def flown(controller: str, *changes: str) -> str:
+    def hash_of(controller: str, *changes: str) -> str:
         return sha(controller, "duration=1.5", STUCK, NOISE, *changes)
 
-    assert flown("virtual_structure", faults) == flown("virtual_structure")
-    assert flown("nash", faults) != flown("nash")
+    assert hash_of("virtual_structure", faults) == hash_of("virtual_structure")
+    assert hash_of("nash", faults) != hash_of("nash")
 
 
 def test_a_robot_of_a_virtual_structure_does_not_care_what_becomes_of_the_others() -> None:
     def poses(*changes: str) -> FloatArray:
-        flight = Simulation(scenario("virtual_structure", "duration=3", *changes))
-        flight.simulate()
-        return flight.trace.poses
+        simulation = Simulation(scenario("virtual_structure", "duration=3", *changes))
+        simulation.simulate()
+        return simulation.trace.poses
 
     stuck, free = poses(STUCK), poses()
     assert (stuck[:, [0, 2]] == free[:, [0, 2]]).all()
@@ -208,16 +209,21 @@ def test_consensus_waits_for_a_stuck_neighbour_only_if_it_is_told() -> None:
     assert worst(told, "max") < 0.95 * worst(cut, "max")
 
 
-def test_gains_follow_from_limits_and_spacing() -> None:
-    def gains(*changes: str) -> tuple[float, float]:
-        own = scenario("consensus", *changes)
-        c = Consensus(own, Pair(own, 1))
-        return c._reach, c._gain
-
-    assert gains() == pytest.approx((0.05, 1.0))
-    assert gains("formation.spacing=0.5") == pytest.approx((0.25, 1.0))  # omega bounds it: scale does not matter
-    assert gains("robots.limits={v=0.05, omega=2}") == pytest.approx((0.05, 0.5))
-    assert gains("robots.limits={v=9, omega=90}") == pytest.approx((0.05, 1.25))  # sampling bounds it
+@given(st.floats(0.05, 2.0), st.floats(0.02, 9.0), st.floats(0.2, 90.0), st.sampled_from([0.05, 0.1, 0.4]))
+def test_gains_are_as_large_as_limits_and_sampling_allow(spacing: Any, v: Any, omega: Any, interval: Any) -> None:
+    own = scenario(
+        "consensus",
+        f"formation.spacing={spacing}",
+        f"robots.limits={{v={v}, omega={omega}}}",
+        f"controller.prediction_interval={interval}",
+    )
+    law = Consensus(own, Pair(own, 1))
+    used = [
+        law._gain * spacing / v,  # an error of one spacing asks for no more than the speed there is
+        law._gain * spacing / (omega * law._reach),  # nor, across, for a faster turn
+        2.0 * law._gain * interval / 0.25,  # both gains take away at most a quarter of an error per interval
+    ]
+    assert max(used) == pytest.approx(1.0)
 
 
 # ---------------------------------------------------------------- centralised
@@ -244,7 +250,7 @@ class Case:
 
     @property
     def task(self) -> tuple[Any, ...]:
-        return self.slots, self.targets, self.weights, np.array(R), DT
+        return self.slots, self.targets, self.weights, np.tile(R, self.slots.shape[1]), DT
 
     def cost(self, u: FloatArray) -> float:
         return cost(self.x0, u, *self.task)
@@ -301,36 +307,36 @@ def test_no_step_ever_raises_the_cost(seed: Any) -> None:
 
 @pytest.mark.parametrize("name", ["figure8", "triangle-circle", "square-figure8"])
 def test_the_teams_cost_is_the_sum_of_the_games_that_nash_plays(name: str) -> None:
-    flown, k, g = load(name), 700, np.random.default_rng(5)
-    slots, targets, weights, r, interval = Team(flown).task(k)
-    n = flown.size
+    task, k, g = load(name), 700, np.random.default_rng(5)
+    slots, targets, weights, r, interval = Team(task).task(k)
+    n = task.size
     x = slots[0] + 0.02 * g.standard_normal((n, 3))
     u = targets + 0.05 * g.standard_normal(targets.shape)
     games = 0.0
     for i in range(1, n + 1):
-        pair, both = Pair(flown, i), [i - 1, upstream(i, n) - 1]
-        ahead, (q, own_r) = pair.ahead(k), nash_weights(flown)
+        pair, both = Pair(task, i), [i - 1, upstream(i, n) - 1]
+        ahead, (q, own_r) = pair.ahead(k), nash_weights(task)
         poses, inputs = x[both].ravel(), np.ascontiguousarray(u[:, both].reshape(len(u), 4))
         games += pair_cost(poses, inputs, ahead.slots, ahead.inputs, interval, np.array(q), np.array([*own_r, *own_r]))
     # The pair's share of R is half of what its robot's inputs cost in both of its games.
-    effort = 0.5 * float(((u - targets) ** 2 @ r).sum())
+    effort = 0.5 * float(((u - targets).reshape(len(u), -1) ** 2 @ r).sum())
     both_games = cost(x.ravel(), u.reshape(len(u), -1), slots, targets, weights, r, interval) + effort
     assert both_games == pytest.approx(games, rel=1e-9)
 
 
 def test_agents_that_play_nash_never_plan_cheaper_than_the_team() -> None:
-    flight = Simulation(scenario("nash", "duration=3", NOISE, DISORDER, "controller.waits=false"))
-    team = Team(flight.world.scenario)
+    simulation = Simulation(scenario("nash", "duration=3", NOISE, DISORDER, "controller.waits=false"))
+    team = Team(simulation.world.scenario)
     dearer = []
-    while not flight.finished:
-        k, poses = flight.world.k, flight.world.plant.poses
-        flight.step()
+    while not simulation.finished:
+        k, poses = simulation.world.k, simulation.world.plant.poses
+        simulation.step()
         if k % 20:
             continue
         team.see(k, poses)
         best, converged = team.plan(k)
         assert converged
-        played = np.stack([_plan_of(flight.agents[i]) for i in flight.world.robots], axis=1)
+        played = np.stack([_plan_of(simulation.agents[i]) for i in simulation.world.robots], axis=1)
         slots, targets, weights, r, interval = team.task(k)
 
         def cost_of(u: FloatArray, x: FloatArray = poses, task: Any = (slots, targets, weights, r, interval)) -> float:
@@ -356,13 +362,13 @@ def test_the_team_sees_through_noise_and_needs_no_message() -> None:
 def test_the_team_waits_for_a_stuck_robot_and_only_then() -> None:
     def lags(*changes: str) -> tuple[float, float]:
         """Largest before the robot is stuck, and at its release [s]."""
-        flight, before = Simulation(scenario("centralised", "duration=2.5", *changes, name="circle")), 0.0
-        assert flight._team is not None
-        while not flight.finished:
-            flight.step()
-            if flight.world.now <= 0.5:
-                before = max(before, flight._team.lag)
-        return before, flight._team.lag
+        simulation, before = Simulation(scenario("centralised", "duration=2.5", *changes, name="circle")), 0.0
+        assert simulation._team is not None
+        while not simulation.finished:
+            simulation.step()
+            if simulation.world.now <= 0.5:
+                before = max(before, simulation._team.lag)
+        return before, simulation._team.lag
 
     assert lags(STUCK)[0] == 0.0
     assert lags(STUCK)[1] > 1.0
@@ -371,17 +377,17 @@ def test_the_team_waits_for_a_stuck_robot_and_only_then() -> None:
 
 
 def test_the_team_must_be_shown_the_poses_of_the_tick() -> None:
-    flown = scenario("centralised")
-    team = Team(flown)
-    team.see(0, flown.start_poses())
+    task = scenario("centralised")
+    team = Team(task)
+    team.see(0, task.start_poses())
     assert team.plan(0)[1]
     with pytest.raises(RuntimeError, match="tick 1"):
         team.plan(1)
 
 
 def test_a_team_that_is_nowhere_says_so_and_keeps_its_limits() -> None:
-    flown = scenario("centralised", "controller.waits=false")
-    team = Team(flown)
+    task = scenario("centralised", "controller.waits=false")
+    team = Team(task)
     team.see(0, np.full((3, 3), np.nan))
     inputs, converged = team.plan(0)
     assert not converged
@@ -398,15 +404,15 @@ def refused(mistake: Any) -> None:
         assert word in text
 
 
-def test_every_controller_can_fly_live_or_is_refused_by_name() -> None:
+def test_every_controller_can_run_live_or_is_refused_by_name() -> None:
     assert set(LIVE) | set(IN_PROCESS) == set(NAMES)
     for name in NAMES:
-        flown = scenario(name)
+        task = scenario(name)
         if name in LIVE:
-            assert Agent(flown, 2).step(0, 0.0, flown.start_poses()[1]).plan is not None
+            assert Agent(task, 2).step(0, 0.0, task.start_poses()[1]).plan is not None
         else:
             with pytest.raises(ScenarioError) as mistake:
-                Agent(flown, 2)
+                Agent(task, 2)
             refused(mistake)
 
 
@@ -419,7 +425,7 @@ def test_processes_and_containers_refuse_what_only_one_process_can_do() -> None:
     refused(mistake)
 
 
-def test_a_live_world_refuses_it_and_flies_on_as_before() -> None:
+def test_a_live_world_refuses_it_and_goes_on_as_before() -> None:
     world = World(load("circle"))
     orders = RunControl(world, cast(Any, None), cast(Any, None), go=True)
     wishes = (

@@ -1,4 +1,4 @@
-"""Stick together: the team waits for who cannot keep up, catches up, and otherwise flies as if nobody ever waited."""
+"""Waiting: the robots wait for one that cannot keep up, catch up, and otherwise move as if none ever waited."""
 
 # mypy: disable-error-code="arg-type, call-arg, no-any-return, attr-defined"
 # (numpy scalars and shapes; what strict typing of numpy makes of test arithmetic)
@@ -22,19 +22,19 @@ STUCK = "disturbances=[{robot=2, at=5, until=9, drive=0.0}]"
 QUIET = ("robots={}", "duration=30")
 
 
-def flown(*settings: str, name: str = "triangle-circle") -> Simulation:
-    flight = Simulation(load(name, [*QUIET, *settings]))
-    flight.simulate()
-    return flight
+def simulated(*settings: str, name: str = "triangle-circle") -> Simulation:
+    simulation = Simulation(load(name, [*QUIET, *settings]))
+    simulation.simulate()
+    return simulation
 
 
-def worst(flight: Simulation) -> FloatArray:
+def worst(simulation: Simulation) -> FloatArray:
     """The largest |l_e| of any robot at every tick [mm]."""
-    return 1e3 * np.abs(flight.trace.errors()[0]).max(axis=1)
+    return 1e3 * np.abs(simulation.trace.errors()[0]).max(axis=1)
 
 
-def lags(flight: Simulation) -> list[float]:
-    return [agent._pair.lag for agent in flight.agents.values()]
+def lags(simulation: Simulation) -> list[float]:
+    return [agent._pair.lag for agent in simulation.agents.values()]
 
 
 # ---------------------------------------------------------------- the reference at another time and pace
@@ -84,7 +84,7 @@ def test_at_another_pace_the_horizon_covers_more_or_less_of_the_path_and_inputs_
 
 
 @pytest.mark.parametrize("settings", [(), ("link.latency=0.5",), ("link.loss=0.5",), ("path={kind='figure8'}",)])
-def test_without_trouble_nobody_waits_and_the_flight_is_that_of_robots_that_never_do(settings: Any) -> None:
+def test_without_trouble_no_robot_waits_and_the_trajectory_is_that_without_waiting(settings: Any) -> None:
     one = simulate(load("triangle-circle", [*QUIET, "duration=8", *settings]))
     two = simulate(load("triangle-circle", [*QUIET, "duration=8", "controller.waits=false", *settings]))
     assert one["trajectory_sha256"] == two["trajectory_sha256"]
@@ -92,31 +92,31 @@ def test_without_trouble_nobody_waits_and_the_flight_is_that_of_robots_that_neve
 
 @pytest.mark.parametrize("name", ["triangle-corner", "ring-16"])
 def test_a_corner_or_a_disordered_start_is_no_reason_to_wait(name: Any) -> None:
-    flight = Simulation(load(name, ["duration=22", "controller.plan_every=5"]))
+    simulation = Simulation(load(name, ["duration=22", "controller.plan_every=5"]))
     highest = 0.0
-    while not flight.finished:
-        flight.step()
-        highest = max(highest, *lags(flight))
+    while not simulation.finished:
+        simulation.step()
+        highest = max(highest, *lags(simulation))
     assert highest < 0.05
 
 
 @pytest.mark.parametrize(("latency", "bound"), [(0.0, 25.0), (0.5, 50.0)])
 def test_the_team_waits_for_a_stuck_robot_and_makes_up_for_it(latency: Any, bound: Any) -> None:
-    flight = flown(STUCK, f"link.latency={latency}")
-    error = worst(flight)
+    simulation = simulated(STUCK, f"link.latency={latency}")
+    error = worst(simulation)
     assert 2.0 < error[500:].max() < bound
     assert error[1300:].max() < 2.0  # 4 s after its release
     assert error[-1] < 0.01
-    assert max(lags(flight)) == 0.0  # the path is caught up
-    assert flight.trace.errors()[2][-1] < 1e-4
-    alone = flown(STUCK, f"link.latency={latency}", "controller.waits=false")
+    assert max(lags(simulation)) == 0.0  # the path is caught up
+    assert simulation.trace.errors()[2][-1] < 1e-4
+    alone = simulated(STUCK, f"link.latency={latency}", "controller.waits=false")
     assert worst(alone)[500:].max() > 2.0 * error[500:].max()
 
 
 def test_limits_hold_while_the_lag_is_worked_off() -> None:
-    flight = flown(STUCK, "robots.limits.v=0.06")
-    assert np.abs(flight.trace.inputs[..., 0]).max() <= 0.06
-    assert worst(flight)[-1] < 0.1
+    simulation = simulated(STUCK, "robots.limits.v=0.06")
+    assert np.abs(simulation.trace.inputs[..., 0]).max() <= 0.06
+    assert worst(simulation)[-1] < 0.1
 
 
 @pytest.mark.parametrize(
@@ -128,22 +128,22 @@ def test_limits_hold_while_the_lag_is_worked_off() -> None:
     ],
 )
 def test_a_slowed_or_pushed_robot_is_taken_back_into_the_formation(entry: Any) -> None:
-    flight = flown(f"disturbances=[{entry}]")
-    assert worst(flight)[500:].max() > 2.0
-    assert worst(flight)[-500:].max() < 0.1
-    assert flight.trace.errors()[2][-1] < 1e-3
+    simulation = simulated(f"disturbances=[{entry}]")
+    assert worst(simulation)[500:].max() > 2.0
+    assert worst(simulation)[-500:].max() < 0.1
+    assert simulation.trace.errors()[2][-1] < 1e-3
 
 
 @pytest.mark.parametrize("settings", [("link.latency=1.0",), ("link.loss=0.9",), ("link.cut=true",), ("link.preset",)])
 def test_lags_do_not_feed_themselves_round_the_ring(settings: Any) -> None:
     worse = "link={latency=0.3, jitter=0.2, loss=0.3, burst=10}" if settings == ("link.preset",) else settings[0]
-    flight = Simulation(load("triangle-circle", ["robots={}", "duration=45", STUCK, worse]))
+    simulation = Simulation(load("triangle-circle", ["robots={}", "duration=45", STUCK, worse]))
     highest = 0.0
-    while not flight.finished:
-        flight.step()
-        highest = max(highest, *lags(flight))
+    while not simulation.finished:
+        simulation.step()
+        highest = max(highest, *lags(simulation))
     assert highest < 4.0 + 2.5  # what the robot lost, and what messages in flight promised beyond it
-    assert max(lags(flight)) < 0.1
+    assert max(lags(simulation)) < 0.1
 
 
 # ---------------------------------------------------------------- one robot's book-keeping

@@ -14,18 +14,24 @@ from hypothesis import strategies as st
 from agents.belief import Belief
 from agents.controllers.nash import PLACE, Game, weights
 from agents.controllers.pair import Pair
-from agents.kernels.pair_game import cost, improve
-from agents.kernels.unicycle import age, derivatives, roll_out, shift
+from agents.kernels.pair_cost import cost, improve
+from agents.kernels.unicycle import age, derivatives, shift
 from formation.arrays import FloatArray
 from formation.reference import BLOCK_TICKS
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import SMALL_TURN, step
+from formation.unicycle import roll_out as roll_out_all
 from network.messages import Plan
 
 WIDE = np.array([1e6, 1e6])
 N, DT = 20, 0.1
 SEEDS = st.integers(0, 2**32)
+
+
+def roll_out(pose: FloatArray, inputs: FloatArray) -> FloatArray:
+    """Poses (N + 1, 3) of one robot."""
+    return roll_out_all(pose[None], inputs[None], DT)[0]
 
 
 def table(seed: int, scale: float = 1.0) -> FloatArray:
@@ -59,15 +65,6 @@ def test_derivatives_are_continuous_where_the_series_begins() -> None:
     np.testing.assert_allclose(below, above, atol=1e-12)
 
 
-def test_a_roll_out_is_step_after_step() -> None:
-    inputs = table(1)
-    poses = roll_out(np.array([0.1, 0.2, 0.3]), inputs, DT)
-    expected = [(0.1, 0.2, 0.3)]
-    for v, omega in inputs:
-        expected.append(step(*expected[-1], v, omega, DT))
-    np.testing.assert_allclose(poses, expected, atol=1e-14)
-
-
 # ---------------------------------------------------------------- ageing
 
 
@@ -86,7 +83,7 @@ def shifted(inputs: FloatArray, elapsed: float, tail: FloatArray) -> FloatArray:
 @given(SEEDS, st.integers(0, N))
 def test_ageing_by_whole_intervals_is_the_roll_out(seed: Any, j: Any) -> None:
     inputs, pose = table(seed), np.array([1.0, -2.0, 0.5])
-    np.testing.assert_allclose(aged(pose, inputs, j * DT), roll_out(pose, inputs, DT)[j], atol=1e-12)
+    np.testing.assert_allclose(aged(pose, inputs, j * DT), roll_out(pose, inputs)[j], atol=1e-12)
 
 
 @given(SEEDS, st.integers(0, 10), st.floats(0.0, 0.9))
@@ -102,7 +99,7 @@ def test_ageing_by_a_sum_is_ageing_by_one_and_then_the_other_along_the_shifted_p
 
 def test_ageing_ends_with_the_plan() -> None:
     inputs, pose = table(3), np.zeros(3)
-    end = roll_out(pose, inputs, DT)[-1]
+    end = roll_out(pose, inputs)[-1]
     np.testing.assert_allclose(aged(pose, inputs, N * DT), end, atol=1e-12)
     np.testing.assert_allclose(aged(pose, inputs, 100.0), end, atol=1e-12)
 
@@ -230,13 +227,7 @@ class Bench:
         return e
 
     def rolled(self, x0: FloatArray, inputs: FloatArray) -> FloatArray:
-        both = [
-            roll_out(
-                np.ascontiguousarray(x0[3 * a : 3 * a + 3]), np.ascontiguousarray(inputs[:, 2 * a : 2 * a + 2]), DT
-            )
-            for a in range(2)
-        ]
-        return np.hstack(both)
+        return np.hstack([roll_out(x0[3 * a : 3 * a + 3], inputs[:, 2 * a : 2 * a + 2]) for a in range(2)])
 
     def dense_step(self, x0: FloatArray, nominal: FloatArray) -> FloatArray:
         """The minimiser (N, 4) of the stacked quadratic programme, linearised along the nominal roll-out."""

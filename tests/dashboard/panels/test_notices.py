@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from dashboard.panels.notices import AT_ONCE, Notices
+from dashboard.panels.notices import AT_ONCE, COLOURS, Notices
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
 from formation.faults import Fault
 from formation.links import LinkId, plan_links
-from network.messages import Event, State
+from network.messages import Event, Severity, State
 from tests.builders import state
 
 
@@ -19,6 +19,7 @@ class FakeServer:
     """One page, whose notices are kept."""
 
     titles: list[str] = field(default_factory=list)
+    colours: list[tuple[int, int, int]] = field(default_factory=list)
 
     def on_client_connect(self, callback: Any) -> None:
         pass
@@ -26,8 +27,9 @@ class FakeServer:
     def get_clients(self) -> dict[int, Any]:
         return {1: self}
 
-    def add_notification(self, title: str, text: str, **_: object) -> None:
+    def add_notification(self, title: str, text: str, *, color: tuple[int, int, int], **_: object) -> None:
         self.titles.append(title)
+        self.colours.append(color)
 
 
 @pytest.fixture
@@ -55,6 +57,18 @@ def test_an_event_of_an_agent_becomes_a_notice_once_and_those_before_the_page_do
     assert server.titles == ["Agent 2 is gone"]
 
 
+@pytest.mark.parametrize("text", ["agent 2 is here again", "agent 2 is lost"])
+def test_the_colour_of_a_notice_is_its_events_severity_whatever_the_text(
+    notices: Notices, server: FakeServer, text: str
+) -> None:
+    update(notices, state())
+    severities: tuple[Severity, ...] = ("info", "warning", "error")
+    events = [Event(n, 1.0, "agent", text, severity) for n, severity in enumerate(severities, start=1)]
+    update(notices, state(events=tuple(events)))
+    assert server.colours == [COLOURS[severity] for severity in severities]
+    assert len(set(server.colours)) == len(severities)
+
+
 def test_a_cut_and_its_end_are_shown(notices: Notices, server: FakeServer) -> None:
     for faults in ({}, {LinkId(1, 2): Fault(cut=True)}, {LinkId(1, 2): Fault(cut=True)}, {}):
         update(notices, state(faults=faults))
@@ -72,3 +86,10 @@ def test_a_world_that_falls_silent_is_shown_and_its_return_too(notices: Notices,
     for alive in (True, False, False, True):
         update(notices, state(), world_alive=alive)
     assert server.titles == ["The world publishes nothing", "The world is back"]
+
+
+def test_a_cut_link_is_not_back_because_its_receiver_was_killed(notices: Notices, server: FakeServer) -> None:
+    cut = {LinkId(1, 2): Fault(cut=True)}
+    for live, faults in (([1, 2, 3], {}), ([1, 2, 3], cut), ([1, 3], cut), ([1, 2, 3], cut), ([1, 2, 3], {})):
+        update(notices, state(live=live, faults=faults))
+    assert server.titles == ["Link 1 → 2 cut", "All links are back"]

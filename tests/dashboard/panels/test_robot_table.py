@@ -19,3 +19,11 @@ def test_a_robot_that_waits_is_shown_with_its_lag(page: Page) -> None:
     assert "1.3 s behind the clock" in condition(snapshot).note
     rows = robot_table(snapshot, links, page._clickable).split("<tr")
     assert ["−1.3 s" in row for row in rows[2:]] == [False, True, False]
+
+
+def test_a_robot_whose_solver_fails_is_marked(page: Page) -> None:
+    for message in (status(1, 3), status(2, 1, converged=False)):
+        page._telemetry._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
+    snapshot, links = page._keep()
+    rows = robot_table(snapshot, links, page._clickable).split("<tr")
+    assert ["NO SOLUTION" in row.split("</table>")[0] for row in rows[2:]] == [False, True, False]

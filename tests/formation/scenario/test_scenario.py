@@ -1,4 +1,4 @@
-"""Scenario files: the shipped ones fly, and every mistake gets one line that names the key and what there is."""
+"""Scenario files: the shipped ones run, and every mistake gets one line that names the key and what there is."""
 
 import math
 from typing import Any
@@ -48,7 +48,7 @@ def test_a_shipped_scenario_loads_and_has_its_files_name(name: Any) -> None:
     assert scenario.start_poses().shape == (scenario.size, 3)
 
 
-def test_the_shipped_scenarios_fly_what_their_names_say() -> None:
+def test_the_shipped_scenarios_hold_what_their_names_say() -> None:
     expected = {
         "circle": ("circle", 2),
         "figure8": ("figure8", 2),
@@ -137,7 +137,7 @@ def test_start_noise_has_the_standard_deviations_asked_for() -> None:
         (" seed = 7", lambda s: s.seed == 7),
         ("path.radius=1.5", lambda s: s.path.radius == 1.5),
         ("controller.name=paper", lambda s: s.controller.name == "paper"),
-        ("controller.errata=[1, 2]", lambda s: s.controller.errata == (1, 2)),
+        ("controller={name='paper', errata=[1, 2]}", lambda s: getattr(s.controller, "errata", ()) == (1, 2)),
         ("controller.q=[1, 2, 3, 4, 5, 6]", lambda s: s.controller.q == [1, 2, 3, 4, 5, 6]),
         ("controller.age_plans=false", lambda s: s.controller.age_plans is False),
         ("link.keep_order=true", lambda s: s.link.keep_order is True),
@@ -213,8 +213,17 @@ MISTAKES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "unknown controller": ({"controller": {"name": "nsh"}}, ["controller.name", "leader_follower", "mean nash?"]),
     "weights of another controller": ({"controller": {"q": [1, 2, 3, 4, 5]}}, ["controller", "6 values in q", "got 5"]),
     "weights for paper": ({"controller": {"name": "paper", "q": [1] * 6}}, ["controller", "5 values in q", "got 6"]),
+    "a key of another controller": (
+        {"controller": {"gains": [1, 1]}},
+        ["controller.gains: unknown key", "horizon", "formation", "it is a key of leader_follower"],
+    ),
+    "a key of another path": ({"path": {"kind": "line", "radius": 1}}, ["path.radius", "it is a key of circle"]),
+    "a key of no controller": ({"controller": {"formatoin": 1}}, ["controller.formatoin", "mean formation?"]),
     "a weight of zero in r": ({"controller": {"r": [0.1, 0]}}, ["controller.r[1]: expected more than 0"]),
-    "an erratum that does not exist": ({"controller": {"errata": [12]}}, ["controller.errata[0]", "12", "5"]),
+    "an erratum that does not exist": (
+        {"controller": {"name": "paper", "errata": [12]}},
+        ["controller.errata[0]", "12", "5"],
+    ),
     "no horizon": ({"controller": {"horizon": 1}}, ["controller.horizon: expected at least 2; got 1"]),
     "an odd interval": ({"controller": {"prediction_interval": 0.015}}, ["prediction_interval", "whole number"]),
     "an interval below a tick": ({"controller": {"prediction_interval": 0.001}}, ["prediction_interval", "whole"]),

@@ -1,4 +1,4 @@
-"""Laws of the ghost: under the live controller it flies the live flight, and it meets the live faults under any."""
+"""Laws of the ghost: under the live controller it equals the live episode, and it meets the live faults under any."""
 
 import random
 from typing import Any
@@ -45,7 +45,7 @@ def disturb(world: World, draws: random.Random) -> None:
 
 @pytest.mark.parametrize("controller", ["nash", "paper", "leader_follower"])
 @pytest.mark.parametrize("every", [1, 7, 250], ids=["in step", "in jumps", "begun late"])
-def test_under_the_live_controller_the_ghost_flies_the_live_flight_to_the_last_bit(controller: Any, every: int) -> None:
+def test_under_the_live_controller_the_ghost_is_the_live_episode_to_the_last_bit(controller: Any, every: int) -> None:
     scenario = load("triangle-circle", [*NOISY, SCHEDULE, f"controller.name={controller}", "link.latency=0.02"])
     live, draws = Simulation(scenario, endless=True), random.Random(every)
     shadow = Shadow(scenario, controller, live.world.episode)
@@ -63,7 +63,7 @@ def test_under_the_live_controller_the_ghost_flies_the_live_flight_to_the_last_b
     assert np.abs(ghost.poses - scenario.start_poses()).max() > 0.1
 
 
-def test_under_another_controller_the_ghost_meets_the_same_faults_and_flies_otherwise() -> None:
+def test_under_another_controller_the_ghost_meets_the_same_faults_and_moves_differently() -> None:
     scenario, draws = load("triangle-circle", [*NOISY, "link.loss=0.3", "link.burst=4"]), random.Random(3)
     live = Simulation(scenario, endless=True)
     shadow = Shadow(scenario, "leader_follower", live.world.episode)
@@ -72,7 +72,7 @@ def test_under_another_controller_the_ghost_meets_the_same_faults_and_flies_othe
             disturb(live.world, draws)
         live.step()
     follow(shadow, live.world)
-    ours, theirs = ({i: a.counts() for i, a in flight.agents.items()} for flight in (live, shadow._simulation))
+    ours, theirs = ({i: a.counts() for i, a in simulation.agents.items()} for simulation in (live, shadow._simulation))
     assert sum(counts.lost for counts in ours.values()) > 20
     assert ours == theirs
     assert np.abs(shadow.message(1).poses - live.world.plant.poses).max() > 1e-3
@@ -90,7 +90,7 @@ def test_the_live_controller_keeps_its_weights_as_a_ghost() -> None:
     assert np.abs(plain.message(1).poses - live.world.plant.poses).max() > 1e-9
 
 
-def test_a_ghost_may_be_of_a_controller_that_flies_in_one_process_only() -> None:
+def test_a_ghost_may_be_of_a_controller_that_runs_in_one_process_only() -> None:
     live = Simulation(load("triangle-circle"), endless=True)
     for _ in range(20):
         live.step()
@@ -100,14 +100,14 @@ def test_a_ghost_may_be_of_a_controller_that_flies_in_one_process_only() -> None
 
 
 def test_a_reset_begins_the_tables_of_faults_anew() -> None:
-    flight = Simulation(load("triangle-circle", [SCHEDULE]), endless=True)
-    flight.world.change_fault("3->1", {"latency": 0.2}, None)
+    simulation = Simulation(load("triangle-circle", [SCHEDULE]), endless=True)
+    simulation.world.change_fault("3->1", {"latency": 0.2}, None)
     for _ in range(150):
-        flight.step()
-    times = [at for at, _ in flight.world.faults.since(0)]
+        simulation.step()
+    times = [at for at, _ in simulation.world.faults.since(0)]
     assert times == pytest.approx([0.0, 0.0, 0.5, 0.8, 1.2])
-    flight.world.reset()
-    assert flight.world.faults.since(0) == [(0.0, {LinkId(3, 1): Fault(latency=0.2)})]
+    simulation.world.reset()
+    assert simulation.world.faults.since(0) == [(0.0, {LinkId(3, 1): Fault(latency=0.2)})]
 
 
 def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> None:
@@ -134,7 +134,7 @@ def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> 
     assert len(encode(Reply(True, value={"episode": 1, "changes": 30, "tables": told}))) < MAX_BYTES
 
 
-def test_a_flight_with_more_changes_than_are_kept_says_so() -> None:
+def test_an_episode_with_more_changes_than_are_kept_says_so() -> None:
     faults = FaultState(load("triangle-circle"))
     for n in range(KEPT_CHANGES + 2):
         faults.impose({LinkId(1, 2): Fault(latency=0.001 * (1 + n % 2))})

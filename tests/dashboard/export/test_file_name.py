@@ -1,8 +1,8 @@
-"""Laws of the export buttons."""
+"""Laws of the names of exported files."""
 
 import re
 
-from dashboard.export.buttons import file_name
+from dashboard.export.file_name import file_name
 from tests.builders import state
 from tests.dashboard.fakes import kept
 

@@ -1,18 +1,18 @@
 """The export buttons: a replay, the plots as CSV, a picture of the view; each is sent to the page that asked."""
 
-import re
 import threading
 from collections.abc import Callable
 from typing import Any
 
-import imageio.v3 as images
-import numpy as np
 import viser
 
 from dashboard.export.csv_table import as_csv
+from dashboard.export.file_name import file_name
+from dashboard.export.picture import as_png
 from dashboard.export.replay import as_replay
+from dashboard.panels.notices import Notify
 from dashboard.scene.path_line import path_points
-from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
+from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme.palette import Palette
 from network.throttled_log import ThrottledLog
@@ -21,9 +21,6 @@ PICTURE_SECONDS = 15.0
 """How long a page may take to draw its view: one without a graphics card takes seconds."""
 REPLAY, CSV, PICTURE = "Replay", "CSV", "Picture"
 HINT = "The last minutes: a replay that plays in any browser, the plots as numbers, or a picture of the view"
-
-Notify = Callable[[int | None, str, str], None]
-"""(page or None for all, title, text): shows a notice."""
 
 
 class ExportButtons:
@@ -81,18 +78,8 @@ class ExportButtons:
         return None
 
     def _picture(self, client: viser.ClientHandle) -> bytes:
-        """The view as this page shows it, on the theme's background."""
         camera: Any = client.camera
         drawn = client.get_render(
             camera.image_height, camera.image_width, transport_format="png", timeout=PICTURE_SECONDS
-        ).astype(float)
-        share = drawn[..., 3:] / 255.0
-        background = np.array([int(self._palette().background[i : i + 2], 16) for i in (0, 2, 4)])
-        flat = drawn[..., :3] * share + background * (1.0 - share)
-        return bytes(images.imwrite("<bytes>", flat.round().astype(np.uint8), extension=".png"))
-
-
-def file_name(run: str, data: ExportData, ending: str) -> str:
-    """Run, scenario, controller and simulated time, in letters that every file system has."""
-    parts = ("echelon", run, data.scenario, data.controller, f"t{data.t[-1]:.1f}s")
-    return "_".join(re.sub(r"[^A-Za-z0-9.-]+", "-", part) for part in parts) + ending
+        )
+        return as_png(drawn, self._palette())

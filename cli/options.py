@@ -102,3 +102,10 @@ def session(options: argparse.Namespace) -> ZenohBus:
 def tell(line: str) -> None:
     """Print a line for the user on stderr, apart from the results."""
     print(f"echelon: {line}", file=sys.stderr, flush=True)
+
+
+def warn(scenario: Scenario) -> None:
+    """Print a line on stderr if robots cannot follow what the scenario asks of them."""
+    line = scenario.feasibility().line
+    if line:
+        tell(f"{scenario.name}: {line}")

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_scenario, load, source, tell
+from cli.options import add_scenario, load, source, tell, warn
 from formation.errors import EchelonError
 from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
@@ -38,6 +38,7 @@ def run(options: argparse.Namespace) -> int:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
+    warn(scenario)
     with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options.warmup, report)
@@ -112,6 +113,8 @@ def _print(summary: dict[str, Any]) -> None:
     t = summary["tracking_error_m"]
     errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "")
     console.print(errors)
+    if summary["reference_lag_s"] > 0.0:
+        console.print(f"the reference slowed down for all and is {summary['reference_lag_s']:.3g} s late at the end")
     links = Table("link", "sent", "delivered", "lost", "late", "age median s", "p95 s", "max s")
     for link, figures in summary["links"].items():
         age = figures["age_s"]

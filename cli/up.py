@@ -4,7 +4,7 @@ import argparse
 import errno
 import socket
 
-from cli.options import add_scenario, load, source, tell
+from cli.options import add_scenario, load, source, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from runtime.launcher import LiveRun
@@ -41,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
     token = access.given_token(options.token)
     if token is None and options.host not in access.LOOPBACK:
         token = access.new_token()
+    warn(scenario)
     name = options.run or free_name(scenario.name)
     with LiveRun(
         name,

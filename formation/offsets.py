@@ -13,6 +13,7 @@ import numpy as np
 
 from formation.arrays import FloatArray, frozen
 from formation.formation_spec import Formation
+from formation.metrics import clearance, nearest
 from formation.paths.path import Path
 
 PEAK = 1.875
@@ -21,6 +22,10 @@ SHARE = 0.5
 """How fast a slot moves within the formation at most, as a share of the path's speed: it then keeps going forwards."""
 LOOKOUT = 50
 """Times at which the path's slowest speed during a change is sought."""
+NEAREST = 0.5
+"""Robots that change places keep at least this share of the spacing before and after."""
+LOOKOUT_CROWD = 401
+"""Times at which the distances during a change are looked at."""
 STANDSTILL = 1e-3
 """A path is taken to be no slower than this [m/s] where a change's length is derived."""
 
@@ -31,6 +36,7 @@ class _Move:
     over: float
     way: FloatArray
     """(n, 2) [m]."""
+    reassigned: bool
 
 
 class Offsets:
@@ -51,8 +57,39 @@ class Offsets:
         picked = copy(self)
         at = [robot - 1 for robot in robots]
         picked._start = self._start[at]
-        picked._moves = tuple(_Move(move.at, move.over, move.way[at]) for move in self._moves)
+        picked._moves = tuple(_Move(move.at, move.over, move.way[at], move.reassigned) for move in self._moves)
         return picked
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self._start)
+
+    @property
+    def settled(self) -> float:
+        """When the last change is over [s]."""
+        return max((move.at + move.over for move in self._moves), default=0.0)
+
+    def crowded(self) -> str:
+        """What is wrong with changes in which two robots come too near to each other; empty if nothing is."""
+        for number, move in enumerate(self._moves):
+            t = move.at + move.over * np.linspace(0.0, 1.0, LOOKOUT_CROWD)
+            places = self.at(t)
+            allowed = NEAREST * min(nearest(places[0])[2], nearest(places[-1])[2])
+            if clearance(places) >= allowed:
+                continue
+            worst = min(range(len(t)), key=lambda row: nearest(places[row])[2])
+            one, other, apart = nearest(places[worst])
+            hint = "" if move.reassigned else "; with reassign = true each robot takes the nearest place"
+            return (
+                f"changes[{number}]: expected robots that keep {allowed:.3g} m apart, half of the spacing; robots "
+                f"{one} and {other} come within {apart:.4f} m of each other at t = {t[worst]:.4g} s{hint}"
+            )
+        return ""
+
+    def moving(self, begin: float, end: float) -> bool:
+        """Whether a change is under way between two times [s]."""
+        return any(begin <= move.at + move.over and move.at <= end for move in self._moves)
 
     def at(self, t: FloatArray) -> FloatArray:
         """Offsets (T, n, 2) at times t (T,) [m]; (1, n, 2) if they never change."""
@@ -71,7 +108,7 @@ def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
             there = there[_assignment(here, there)]
         way = there - here
         over = change.over or _time_for(float(np.hypot(*way.T).max()), change.at, path)
-        moves.append(_Move(change.at, over, frozen(way)))
+        moves.append(_Move(change.at, over, frozen(way), change.reassign))
         here = there
     return tuple(moves)
 

@@ -1,5 +1,6 @@
 """The formation's heading at time t: along the path, constant, or turning at a limited rate."""
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +20,13 @@ SMOOTHING = 1.0
 """Length of the moving average that makes a limited orientation's rate continuous [s]."""
 STRETCH = 2000
 """Steps that are integrated at a time."""
+TURNING = 4.0
+"""Where a path turns too tightly, the formation's heading is the mean along so many times its reach: turning back, a
+slot then moves within the formation at most at pi / 4 of the path's speed."""
+LOOKED_AT = 6000
+"""Steps over which the mean speed of such a path is taken."""
+SLOWEST = 1e-3
+"""A path is taken to be no slower than this [m/s] there."""
 
 
 class Orientation(Protocol):
@@ -82,7 +90,62 @@ class Fixed:
         return np.full(t.shape, self._angle)
 
 
-class Limited:
+class _Mean:
+    """The moving average of an orientation that is known on a grid, which makes its rate continuous."""
+
+    def __init__(self, first: float, over: float) -> None:
+        self._first, self._over = first, over
+        self._theta, self._sum = np.zeros(2), np.zeros(2)
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        half = self._over / 2.0
+        self._extend(float(t.max(initial=0.0)) + half)
+        mean: FloatArray = (self._integral(t + half) - self._integral(t - half)) / self._over
+        return mean
+
+    def _integral(self, t: FloatArray) -> FloatArray:
+        """Of the orientation from the first sample to t: exact for the straight lines between samples."""
+        at = (t - self._first) / GRID
+        k = np.clip(at.astype(int), 0, len(self._theta) - 2)
+        part = at - k
+        slope = np.where(at < 0.0, 0.0, self._theta[k + 1] - self._theta[k])
+        whole: FloatArray = self._sum[k] + GRID * part * (self._theta[k] + 0.5 * part * slope)
+        return whole
+
+    def _extend(self, end: float) -> None:
+        """Have samples up to the time `end`."""
+        raise NotImplementedError
+
+
+class Averaged(_Mean):
+    """The heading of the path, averaged twice over some time: how a formation turns that cannot turn as the path does.
+
+    It begins a turn that much ahead, and its rate has no jumps.
+    """
+
+    def __init__(self, path: Path, interval: float, *, over: float) -> None:
+        """The orientation from t = 0 on.
+
+        Args:
+            path: of the formation's centre.
+            interval: over which the paper samples the path's heading [s].
+            over: length of each average [s].
+        """
+        super().__init__(-2.0 * over, over)
+        self._path, self._interval = path, interval
+
+    def _extend(self, end: float) -> None:
+        if len(self._theta) > 2 and self._first + GRID * (len(self._theta) - 2) >= end:
+            return
+        count = 2 * max(STRETCH, math.ceil((end - self._first) / GRID))
+        half = round(self._over / 2.0 / GRID)
+        t = self._first + GRID * np.arange(-half, count + half + 1, dtype=float)
+        whole = np.concatenate([[0.0], np.cumsum(np.unwrap(heading(self._path, t, self._interval)))])
+        self._theta = (whole[2 * half + 1 :] - whole[: -2 * half - 1]) / (2 * half + 1)
+        self._sum = np.concatenate([[0.0], np.cumsum(GRID * 0.5 * (self._theta[1:] + self._theta[:-1]))])
+
+
+class Limited(_Mean):
     """The heading of the path, followed at a limited rate, then averaged over SMOOTHING.
 
     The average keeps the limit, makes the rate continuous, and begins a turn half of SMOOTHING ahead. Before
@@ -98,25 +161,10 @@ class Limited:
             rate: limit [rad/s]; None for SHARE of the path's speed at the outermost slot.
             reach: distance of the outermost slot from the centre [m].
         """
+        super().__init__(-2.0 * SMOOTHING, SMOOTHING)
         self._path, self._interval, self._rate, self._reach = path, interval, rate, reach
-        self._first = -2.0 * SMOOTHING
         start = float(heading(path, np.array([self._first]), interval)[0])
         self._theta, self._sum = np.array([start]), np.zeros(1)
-
-    def angle(self, t: FloatArray) -> FloatArray:
-        half = SMOOTHING / 2.0
-        self._extend(float(t.max(initial=0.0)) + half)
-        mean: FloatArray = (self._integral(t + half) - self._integral(t - half)) / SMOOTHING
-        return mean
-
-    def _integral(self, t: FloatArray) -> FloatArray:
-        """Of the orientation from the first sample to t: exact for the straight lines between samples."""
-        at = (t - self._first) / GRID
-        k = np.clip(at.astype(int), 0, len(self._theta) - 2)
-        part = at - k
-        slope = np.where(at < 0.0, 0.0, self._theta[k + 1] - self._theta[k])
-        whole: FloatArray = self._sum[k] + GRID * part * (self._theta[k] + 0.5 * part * slope)
-        return whole
 
     def _extend(self, end: float) -> None:
         while self._first + GRID * (len(self._theta) - 2) < end:
@@ -137,7 +185,9 @@ class Limited:
             self._theta, self._sum = np.concatenate([self._theta, found]), np.concatenate([self._sum, sums])
 
 
-def orientation_of(formation: Formation, path: Path, *, interval: float, reach: float, rounded: bool) -> Orientation:
+def orientation_of(
+    formation: Formation, path: Path, *, interval: float, reach: float, rounded: bool, tight: bool
+) -> Orientation:
     """The orientation that the scenario asks for.
 
     Args:
@@ -145,11 +195,21 @@ def orientation_of(formation: Formation, path: Path, *, interval: float, reach: 
         path: of the formation's centre.
         interval, reach: as in `Limited`.
         rounded: whether the path's corners are turned as robots can.
+        tight: whether the path turns on a smaller radius than the formation's reach.
     """
     match formation.orientation:
+        case "path" if tight:
+            return Averaged(path, interval, over=_long_enough(path, reach))
         case "path":
             return Rounded(path, interval, reach=reach) if rounded and path.corners else Along(path, interval)
         case "fixed":
             return Fixed(formation.heading)
         case "limited":
             return Limited(path, interval, rate=formation.turn_rate, reach=reach)
+
+
+def _long_enough(path: Path, reach: float) -> float:
+    """Time in which the formation turns round and no slot has to go backwards [s]."""
+    t: FloatArray = GRID * np.arange(LOOKED_AT + 1, dtype=float)
+    way = np.diff(path.position(t), axis=0)
+    return TURNING * reach / max(float(np.hypot(way[:, 0], way[:, 1]).mean()) / GRID, SLOWEST)

@@ -1,9 +1,7 @@
 """The reference on the ticks of the control interval: the centre's path and every robot's feasible slot.
 
-A slot is p_r(t) + Rot(phi(t)) o_i(t), where phi is the formation's orientation and o_i the robot's offset. Its heading
-and input follow from its own motion, not the centre's, so that on a curve all errors can be zero at once
-(docs/theory.md, section 8). Tables are made a block of ticks at a time, because looking up a row is a thousand times
-cheaper than computing it.
+It is the motion of the slots (formation/motion.py) at the pace that robots can follow (formation/schedule.py). Tables
+are made a block of ticks at a time, because looking up a row is a thousand times cheaper than computing it.
 """
 
 from dataclasses import dataclass
@@ -12,22 +10,14 @@ import numpy as np
 
 from formation.arrays import FloatArray, timeline
 from formation.metrics import wrapped
-from formation.offsets import Offsets
-from formation.orientation import Orientation
-from formation.paths.path import Path, heading
-from formation.pattern import rotate
+from formation.motion import Motion
+from formation.schedule import Schedule
 
 BLOCK_TICKS = 2000
 """Ticks per block: 20 s, computed in some milliseconds."""
 
 HORIZONS = 2
 """Horizons that a block reaches beyond its last tick: a robot that catches up looks further ahead than one."""
-
-SLOW = 1e-3
-"""Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
-
-DERIVATIVE_STEP = 1e-4
-"""Half step [s] of the central difference for a slot's velocity; its error is far below a micrometre a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,25 +38,23 @@ class Reference:
 
     def __init__(
         self,
-        path: Path,
-        offsets: Offsets,
-        orientation: Orientation,
+        motion: Motion,
+        schedule: Schedule,
         *,
         control_interval: float,
         stride: int,
         horizon: int,
     ) -> None:
-        """A reference for the robots with these offsets.
+        """A reference for some robots.
 
         Args:
-            path: of the formation's centre.
-            offsets: of the robots wanted.
-            orientation: which way the formation faces.
+            motion: of their slots.
+            schedule: of all robots.
             control_interval: delta_t [s], the length of a tick.
             stride: ticks in one prediction interval Delta_T.
             horizon: N, prediction intervals that are looked ahead.
         """
-        self._path, self._offsets, self._orientation = path, offsets, orientation
+        self._motion, self._schedule = motion, schedule
         self._tick, self._stride, self._ahead = control_interval, stride, HORIZONS * stride * horizon
         self._block: Block | None = None
 
@@ -78,17 +66,24 @@ class Reference:
         return self._block
 
     def positions(self, t: FloatArray) -> FloatArray:
-        """Where the slots are at times t: (T, n, 2) [m]."""
-        turned = rotate(self._orientation.angle(t)[:, None], self._offsets.at(t))
-        return self._path.position(t)[:, None] + turned
+        """Positions of the slots at times t: (T, n, 2) [m]."""
+        return self._motion.positions(self._schedule.path_time(t))
+
+    def centre(self, t: FloatArray) -> FloatArray:
+        """Positions of the formation's centre at times t: (T, 2) [m]."""
+        return self._motion.centre(self._schedule.path_time(t))[0]
+
+    def lag(self, t: float) -> float:
+        """How late all robots are at time t, because they could not follow otherwise [s]."""
+        return self._schedule.lag(t)
 
     def _rows(self, first: int, count: int) -> Block:
         interval = self._stride * self._tick
-        t = timeline(first, first + count + self._stride, self._tick)
-        centre, theta = self._path.position(t), heading(self._path, t, interval)
+        t = self._schedule.path_time(timeline(first, first + count + self._stride, self._tick))
+        centre, theta = self._motion.centre(t)
         moved = centre[self._stride :] - centre[: -self._stride]
         turned = wrapped(theta[self._stride :] - theta[: -self._stride])
-        slots = self._slots(t, interval)
+        slots = self._slots(t)
         return Block(
             first,
             np.column_stack(
@@ -98,14 +93,16 @@ class Reference:
             _inputs(slots[: -self._stride], slots[self._stride :], interval),
         )
 
-    def _slots(self, t: FloatArray, interval: float) -> FloatArray:
-        """Slot poses (T, n, 3) at times t."""
-        theta = heading(self._path, t, interval)[:, None]
-        velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
-        body = rotate(-theta, velocity)
-        # A slot that moves backwards keeps its heading within pi/2 of the path's and has v < 0.
-        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-        return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)
+    def _slots(self, t: FloatArray) -> FloatArray:
+        """Slot poses (T, n, 3) at path times t (T,); within a slow step the headings turn steadily."""
+        slots = self._motion.poses(t)
+        begin, slow = self._schedule.slow(t)
+        if slow.any():
+            begin, step = begin[slow], self._schedule.step
+            before, after = self._motion.poses(begin)[..., 2], self._motion.poses(begin + step)[..., 2]
+            share = ((t[slow] - begin) / step)[:, None]
+            slots[slow, :, 2] = before + share * wrapped(after - before)
+        return slots
 
 
 def _inputs(now: FloatArray, later: FloatArray, interval: float) -> FloatArray:

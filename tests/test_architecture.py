@@ -38,7 +38,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"formation_spec", "faults", "disturbances", "paths"},
         {"offsets"},
         {"orientation"},
-        {"reference"},
+        {"motion"},
+        {"schedule"},
+        {"reference", "feasibility"},
         {"scenario"},
     ],
     "network": [

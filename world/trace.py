@@ -72,8 +72,9 @@ class Trace:
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        distance, angle = pattern_errors(poses, self._scenario.reference().positions(t))
-        return distance, angle, tracking_error(poses, self._scenario.path.position(t))
+        reference = self._scenario.reference()
+        distance, angle = pattern_errors(poses, reference.positions(t))
+        return distance, angle, tracking_error(poses, reference.centre(t))
 
     def summary(
         self,
@@ -113,6 +114,7 @@ class Trace:
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
+            "reference_lag_s": scenario.reference().lag(done * scenario.control_interval),
             "links": {
                 str(link): {
                     "sent": c.sent,

@@ -38,8 +38,9 @@ class Signals:
     def of(cls, scenario: Scenario, poses: FloatArray, inputs: FloatArray, gaps: FloatArray) -> Self:
         """All signals from those that are not functions of others."""
         times = timeline(0, len(poses), scenario.control_interval)
-        centre = scenario.path.position(times)
-        distance, angle = pattern_errors(poses, scenario.reference().positions(times))
+        reference = scenario.reference()
+        centre = reference.centre(times)
+        distance, angle = pattern_errors(poses, reference.positions(times))
         return cls(times, poses, inputs, centre, distance, angle, tracking_error(poses, centre), gaps)
 
     def after(self, start: float, stop: float = np.inf) -> slice:

@@ -19,6 +19,11 @@ class Path(Model):
         """Where its heading jumps: times [s] and turns [rad], counter-clockwise positive."""
         return ()
 
+    @property
+    def smooth(self) -> bool:
+        """Whether little happens within a fifth of a second, `corners` aside."""
+        return True
+
     def position(self, t: FloatArray) -> FloatArray:
         """Positions at times t [s], of shape t.shape + (2,) [m]. Defined for negative t too."""
         raise NotImplementedError

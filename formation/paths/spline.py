@@ -13,6 +13,10 @@ ALL_PIECES = 65536
 """Pieces of a curve through many points; its segments are short, and a quarter of them is straight enough."""
 LEAST_PIECES = 4
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
+TINY = 1e-30
+"""A bend below this is none."""
+STEEP = 3.0
+"""A cubic whose slopes are within so many times its mean slope has no turning point (Fritsch and Carlson)."""
 LEAST_SPEED = 1e-9
 """Where a curve stands still (a cusp), so that its inverse stays finite."""
 
@@ -62,6 +66,17 @@ class Spline:
         _, derivative = _hermite(p, self.knots, self.points, self.slopes)
         return np.hypot(derivative[..., 0], derivative[..., 1])
 
+    @property
+    def radii(self) -> FloatArray:
+        """(M,) radius of curvature at the knots [m]."""
+        h = np.diff(self.knots)[:, None]
+        gaps, slopes = np.diff(self.points, axis=0), self.slopes
+        bend = (6.0 * gaps - h * (4.0 * slopes[:-1] + 2.0 * slopes[1:])) / h**2
+        last = (-6.0 * gaps[-1:] + h[-1:] * (2.0 * slopes[-2:-1] + 4.0 * slopes[-1:])) / h[-1:] ** 2
+        bend = np.vstack([bend, last])
+        across = np.abs(slopes[:, 0] * bend[:, 1] - slopes[:, 1] * bend[:, 0])
+        return np.asarray(np.hypot(slopes[:, 0], slopes[:, 1]) ** 3 / np.maximum(across, TINY))
+
     def by_arc_length(self) -> "Travel":
         """The same curve with arc length as its parameter."""
         pieces = self.pieces
@@ -70,7 +85,10 @@ class Spline:
         half = np.diff(fine) / 2.0
         nodes = (fine[:-1] + half)[:, None] + half[:, None] * GAUSS_NODES
         lengths = np.concatenate([[0.0], np.cumsum((self.speed(nodes) * GAUSS_WEIGHTS).sum(axis=1) * half)])
-        return Travel(self, lengths, fine, 1.0 / np.maximum(self.speed(fine), LEAST_SPEED))
+        # Where the curve nearly stands still its inverse is steep: no steeper than lets it rise everywhere.
+        mean = np.diff(fine) / np.maximum(np.diff(lengths), TINY)
+        steepest = STEEP * np.minimum(np.append(mean, mean[-1]), np.insert(mean, 0, mean[0]))
+        return Travel(self, lengths, fine, np.minimum(1.0 / np.maximum(self.speed(fine), LEAST_SPEED), steepest))
 
 
 @dataclass(frozen=True, slots=True)

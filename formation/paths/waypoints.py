@@ -110,6 +110,10 @@ class Waypoints(Path, PointFile):
         return times, ways, speeds
 
     @property
+    def smooth(self) -> bool:
+        return False
+
+    @property
     def period(self) -> float | None:
         if not self.closed:
             return None

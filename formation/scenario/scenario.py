@@ -11,15 +11,19 @@ from formation.arrays import FloatArray, frozen
 from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError
 from formation.faults import Fault, ScheduledFault
+from formation.feasibility import Feasibility, examine
 from formation.formation_spec import Formation
 from formation.links import links_named
+from formation.motion import Motion
 from formation.offsets import Offsets
 from formation.orientation import orientation_of
 from formation.paths.kinds import AnyPath
+from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
 from formation.scenario.registry import CONTROLLERS, DEFAULT
+from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
 
 MAX_TICKS = 1_000_000
@@ -129,6 +133,12 @@ class Scenario(Model):
                 raise ValueError(f"faults[{index}].link: {error}") from None
         for line in robots_missing(self.disturbances, self.size):
             raise ValueError(line)
+        wrong = self._offsets.crowded()
+        if wrong:
+            raise ValueError(f"formation.changes: {wrong}")
+        wrong = spike(self.path, self._offsets.reach) if self.formation.orientation == "path" else ""
+        if wrong:
+            raise ValueError(f"path: {wrong}")
         return self
 
     @property
@@ -167,15 +177,59 @@ class Scenario(Model):
             robots: whose.
             rounded: whether the formation turns smoothly where the path's heading jumps.
         """
-        offsets = self._offsets
-        interval = self.controller.prediction_interval
         return Reference(
-            self.path,
-            offsets if robots is None else offsets.rows(list(robots)),
-            orientation_of(self.formation, self.path, interval=interval, reach=offsets.reach, rounded=rounded),
+            self._motion(None if robots is None else list(robots), rounded=rounded),
+            self._schedule,
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,
+        )
+
+    def _motion(self, robots: list[int] | None = None, *, rounded: bool) -> Motion:
+        offsets, interval = self._offsets, self.controller.prediction_interval
+        orientation = orientation_of(
+            self.formation,
+            self.path,
+            interval=interval,
+            reach=offsets.reach,
+            rounded=rounded,
+            tight=bool(self._tight_turns),
+        )
+        return Motion(self.path, offsets if robots is None else offsets.rows(robots), orientation, interval)
+
+    @cached_property
+    def _schedule(self) -> Schedule:
+        """Of all robots, in every reference."""
+        return Schedule(self._motion(rounded=True), self._limits, self.control_interval)
+
+    @cached_property
+    def _tight_turns(self) -> list[Turn]:
+        if self.formation.orientation != "path":
+            return []
+        return tight_turns(
+            self.path,
+            reach=self._offsets.reach,
+            interval=self.controller.prediction_interval,
+            step=self.control_interval,
+            until=self._examined,
+        )
+
+    @property
+    def _limits(self) -> FloatArray:
+        return np.array([self.robots.limits.v, self.robots.limits.omega])
+
+    @property
+    def _examined(self) -> float:
+        """How far a path is looked at before it is driven, by its own time [s]: a lap, or to the end."""
+        period = self.path.period
+        lap = self.duration if period is None else period + self._offsets.settled
+        return min(lap, MAX_TICKS * self.control_interval)
+
+    def feasibility(self) -> Feasibility:
+        """Whether the robots can follow the reference, slot by slot, and where not."""
+        motion = self._motion(rounded=True)
+        return examine(
+            motion, self._schedule, self._limits, self._tight_turns, until=self._examined, duration=self.duration
         )
 
     def start_poses(self) -> FloatArray:

@@ -1,0 +1,53 @@
+"""How the slots move along the path, by path time: before anybody asks whether robots can follow.
+
+A slot is p_r(t) + Rot(phi(t)) o_i(t), where phi is the formation's orientation and o_i the robot's offset. Its heading
+follows from its own motion, not the centre's, so that on a curve all errors can be zero at once (docs/theory.md,
+section 8).
+"""
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.offsets import Offsets
+from formation.orientation import Orientation
+from formation.paths.path import Path, heading
+from formation.pattern import rotate
+
+SLOW = 1e-3
+"""Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
+
+DERIVATIVE_STEP = 1e-4
+"""Half step [s] of the central difference for a slot's velocity; its error is far below a micrometre a second."""
+
+
+class Motion:
+    """The slots of some robots as functions of path time."""
+
+    def __init__(self, path: Path, offsets: Offsets, orientation: Orientation, interval: float) -> None:
+        """The motion of the robots with these offsets.
+
+        Args:
+            path: of the formation's centre.
+            offsets: of the robots wanted.
+            orientation: which way the formation faces.
+            interval: over which the paper samples the path's heading [s].
+        """
+        self.path, self.offsets, self._orientation, self.interval = path, offsets, orientation, interval
+
+    def centre(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions (T, 2) [m] and headings (T,) [rad] of the path at times t (T,)."""
+        return self.path.position(t), heading(self.path, t, self.interval)
+
+    def positions(self, t: FloatArray) -> FloatArray:
+        """Positions of the slots at times t (T,): (T, n, 2) [m]."""
+        turned = rotate(self._orientation.angle(t)[:, None], self.offsets.at(t))
+        return self.path.position(t)[:, None] + turned
+
+    def poses(self, t: FloatArray) -> FloatArray:
+        """Poses of the slots at times t (T,): (T, n, 3) [m, m, rad]."""
+        theta = heading(self.path, t, self.interval)[:, None]
+        velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
+        body = rotate(-theta, velocity)
+        # A slot that moves backwards keeps its heading within pi/2 of the path's, with v < 0.
+        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+        return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)

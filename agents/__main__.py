@@ -4,7 +4,7 @@ import argparse
 import logging
 import sys
 
-from agents.process import AgentNode
+from agents.process import run
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
 from network.zenoh_bus import ZenohBus
@@ -19,8 +19,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     logging.basicConfig(format=f"%(name)s agent {options.id}: %(message)s", stream=sys.stderr)
     try:
-        with ZenohBus(options.connect, options.run) as session:
-            AgentNode(session, options.id, Lifetime(session.wake)).run()
+        with ZenohBus(options.connect, options.run) as bus:
+            run(bus, options.id, Lifetime(bus.wake))
     except EchelonError as error:
         print(f"agent {options.id}: {error}", file=sys.stderr)
         return 2

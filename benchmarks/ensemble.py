@@ -11,7 +11,7 @@ import sys
 from time import monotonic
 
 from agents.agent import Agent, Answer
-from agents.process import STATUS_INTERVAL
+from agents.node import STATUS_INTERVAL
 from formation.pattern import downstream
 from formation.scenario.files import load
 from formation.scenario.overrides import from_json
@@ -21,7 +21,7 @@ from network.codec import encode
 from network.lifetime import Lifetime
 from network.messages import Message, Tick
 from network.zenoh_bus import ZenohBus
-from world.process import WorldNode
+from world.process import run
 from world.world import World
 
 
@@ -35,6 +35,7 @@ class Ensemble(ZenohBus):
         self._announced: set[int] = set()
         self._setup: tuple[int, int] | None = None
         self._before: dict[int, Answer] = {}
+        self._answered = -1
         self._status_due = 0.0
 
     def gather(self, world: World) -> None:
@@ -55,6 +56,9 @@ class Ensemble(ZenohBus):
     def _answer(self, tick: Tick) -> None:
         world = self.world
         assert world is not None
+        if self._setup == (tick.episode, tick.revision) and tick.seq == self._answered:
+            return  # repeated
+        self._answered = tick.seq
         if self._setup is None or self._setup[0] != tick.episode:
             self.gather(world)
             self._agents = {robot: Agent(world.scenario, robot, episode=tick.episode) for robot in world.robots}
@@ -87,9 +91,8 @@ def main() -> int:
     scenario = load(options.scenario, from_json(options.overrides))
     with Ensemble(options.connect, options.run) as session:
         world = World(scenario, endless=options.endless)
-        driver = WorldNode(session, world, Lifetime(session.wake), speed=1.0, start=True)
         session.gather(world)
-        driver.run()
+        run(session, world, Lifetime(session.wake), speed=1.0, start=True)
     return 0
 
 

@@ -3,8 +3,9 @@
 python benchmarks/speed.py --against PATH [--rounds 7] [--json FILE]
 
 Each round runs every measurement in both checkouts, which begins by turns. Figures of one round are a pair: both
-saw the same load, so their ratio says more than either. Checkouts are driven by their command line, and the time of a
-solve is what their runs report; they may therefore differ in anything but that.
+saw the same load, so their ratio says more than either. Processes are driven by the command line and measured by the
+clock: that needs a machine with nothing else to do. One process is measured by the processor time of the fastest of
+`REPEATS` episodes, which bears other load.
 """
 
 import argparse
@@ -29,6 +30,24 @@ NOISE = ("noise.slip=0.2", "noise.gyro=0.2", "link.latency=0.3", "link.loss=0.3"
 """So that no robot is at rest in its slot."""
 TICK = 0.01
 """delta_t of the scenarios below [s]."""
+REPEATS = 3
+PROBE = """
+import json, sys, time
+try:
+    from formation.scenario.files import load
+    from runtime.inprocess import simulate
+except ImportError:  # before the packages were named so
+    from formation.scenario import load
+    from fleet.inprocess import fly as simulate
+scenario, seconds, solves = load(sys.argv[1], sys.argv[3:]), [], []
+for _ in range(int(sys.argv[2])):
+    began = time.process_time()
+    summary = simulate(scenario)
+    seconds.append(time.process_time() - began)
+    solves.append(summary["solve_s"]["median"])
+print(json.dumps([min(seconds), min(solves)]))
+"""
+"""Processor time of an episode and median time of its solves [s], in the names of either checkout."""
 MEASUREMENTS: dict[str, Callable[["Checkout", int], dict[str, float]]] = {}
 """Time [s] of each figure, by name, of one checkout and seed."""
 
@@ -41,14 +60,18 @@ class Checkout:
     cache: Path
 
     def call(self, *arguments: str) -> tuple[str, float]:
-        """Output and duration [s] of one command."""
+        """Output and duration [s] of one command of the command line."""
+        return self.python("-m", "cli.main", *arguments)
+
+    def python(self, *arguments: str) -> tuple[str, float]:
+        """Output and duration [s] of one Python process."""
         threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         environment = {**os.environ, "PYTHONPATH": str(self.path), "ECHELON_CACHE": str(self.cache), **threads}
-        command = [sys.executable, "-m", "cli.main", *arguments]
+        command = [sys.executable, *arguments]
         began = time.perf_counter()
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=self.path)
         if done.returncode:
-            raise SystemExit(f"{self.path}: {' '.join(command)}: {done.stderr.strip()}")
+            raise SystemExit(f"{self.path}: {arguments}: {done.stderr.strip()}")
         return done.stdout, time.perf_counter() - began
 
     def run(self, scenario: str, seed: int, duration: float, *more: str) -> dict[str, Any]:
@@ -86,11 +109,12 @@ class Figure:
         return cls(name, medians[0], medians[1], statistics.median(ratios), min(ratios), max(ratios))
 
 
-def _in_process(scenario: str, duration: float, *more: str) -> Callable[[Checkout, int], dict[str, float]]:
+def _in_process(scenario: str, duration: float, *settings: str) -> Callable[[Checkout, int], dict[str, float]]:
     def measure(checkout: Checkout, seed: int) -> dict[str, float]:
-        found = checkout.run(scenario, seed, duration, "--engine", "inprocess", *more)
-        ticks = round(duration / TICK)
-        return {"tick": found["wall_s"] / ticks, "solve": found["solve_s"]["median"]}
+        wanted = (f"seed={seed}", f"duration={duration:g}", *NOISE, *settings)
+        text, _ = checkout.python("-c", PROBE, scenario, str(REPEATS), *wanted)
+        seconds, solve = json.loads(text)
+        return {"tick": seconds / round(duration / TICK), "solve": solve}
 
     return measure
 
@@ -110,7 +134,7 @@ def _start(checkout: Checkout, seed: int) -> dict[str, float]:
 
 MEASUREMENTS |= {
     "in process, 3 robots": _in_process("triangle-circle", 20.0),
-    "in process, 8 robots": _in_process("ring-16", 10.0, "--set=formation.robots=8"),
+    "in process, 8 robots": _in_process("ring-16", 10.0, "formation.robots=8"),
     "in process, 16 robots": _in_process("ring-16", 5.0),
     "lockstep, 3 processes": _lockstep,
     "start": _start,

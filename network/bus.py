@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol, Self
 from network.codec import decode
 from network.control import GetSetup, Operation, request
 from network.messages import Message, Reply, Request, Setup
+from network.throttled_log import ThrottledLog
 
 MAX_ARRIVALS = 1000
 """Arrivals that are taken at a time, so that a flood does not keep a process from its work."""
@@ -103,7 +104,14 @@ class Respond(NamedTuple):
     payload: bytes
 
 
-Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Appear
+class Reject(NamedTuple):
+    """Log that a payload on this key was not a valid message."""
+
+    key: str
+    reason: str
+
+
+Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Appear | Reject
 
 
 class Kept(Protocol):
@@ -215,7 +223,7 @@ class Bus(Protocol):
         return None if payload is None else decode(Setup, payload)
 
 
-def perform(bus: Bus, actions: Iterable[Action]) -> None:
+def perform(bus: Bus, actions: Iterable[Action], log: ThrottledLog) -> None:
     """Do what a node wants done, in order."""
     for action in actions:
         match action:
@@ -231,3 +239,5 @@ def perform(bus: Bus, actions: Iterable[Action]) -> None:
                 bus.unsubscribe(key)
             case Appear(role, number):
                 bus.appear(role, number)
+            case Reject(key, reason):
+                log.add(key, reason)

@@ -47,7 +47,7 @@ class MemoryHub:
         """Time of the network [s]; `advance` moves it on."""
         self.buses: list[MemoryBus] = []
         """Those that have joined and not closed."""
-        self._due: list[tuple[float, int, Callable[[], None]]] = []
+        self._due: list[tuple[float, int, Callable[[], object]]] = []
         self._order = self._letters = 0
 
     def join(self, run: str = "memory", name: str = "") -> "MemoryBus":
@@ -72,7 +72,7 @@ class MemoryHub:
             act()
         self.now = max(self.now, now)
 
-    def later(self, delay: float, act: Callable[[], None]) -> None:
+    def later(self, delay: float, act: Callable[[], object]) -> None:
         """Have something happen after so long [s]."""
         self._order += 1
         heapq.heappush(self._due, (self.now + delay, self._order, act))

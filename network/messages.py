@@ -53,6 +53,8 @@ class Tick:
     """Robots that sent a plan at tick k - 1. In lockstep the one downstream waits for it."""
     last: Flag = False
     """Whether this is the last tick of the episode."""
+    gone: list[Sender] = field(default_factory=list)
+    """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
     __pydantic_config__ = STRICT
 
 

@@ -52,13 +52,23 @@ INSIDE: dict[str, list[set[str]]] = {
         {"zenoh_bus", "memory_bus"},
         {"health", "__main__"},
     ],
-    "agents": [{"kernels"}, {"controllers"}, {"belief"}, {"agent"}, {"process"}, {"__main__"}],
+    "agents": [
+        {"kernels", "states"},
+        {"controllers"},
+        {"belief"},
+        {"agent"},
+        {"node"},
+        {"process"},
+        {"__main__"},
+    ],
     "world": [
-        {"bodies", "faults", "convergence"},
+        {"bodies", "faults", "convergence", "states"},
         {"trace", "rate"},
         {"world"},
         {"presence"},
         {"run_control"},
+        {"requests"},
+        {"node"},
         {"process"},
         {"__main__"},
     ],
@@ -86,9 +96,7 @@ CLOCKS = {
     "network/lifetime.py",
     "network/throttled_log.py",
     "runtime",
-    "world/presence.py",
     "world/process.py",
-    "world/rate.py",
 }
 """Who may read the wall clock: processes, and what paces or watches them. Everything else decides without it."""
 CLOCK_FREE_RUNTIME = {"runtime/inprocess.py", "runtime/ghost/shadow.py"}

@@ -12,7 +12,7 @@ from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
 from network.messages import Mode
 from network.zenoh_bus import ZenohBus
-from world.process import WorldNode
+from world.process import run
 from world.world import World
 
 
@@ -32,13 +32,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         scenario = load(options.scenario, from_json(options.overrides))
         check_live(scenario.controller.name)
-        with ZenohBus(options.connect, options.run) as session:
-            lifetime = Lifetime(session.wake)
+        with ZenohBus(options.connect, options.run) as bus:
+            lifetime = Lifetime(bus.wake)
             # A world that was started again must not be mistaken for the one before.
-            episode = secrets.randbits(32)
+            episode = secrets.randbits(48)
             mode: Mode = "realtime" if options.realtime else "lockstep"
             world = World(scenario, episode=episode, endless=options.endless, mode=mode)
-            WorldNode(session, world, lifetime, speed=options.speed, start=not options.paused).run()
+            run(bus, world, lifetime, speed=options.speed, start=not options.paused)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2

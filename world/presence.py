@@ -1,25 +1,71 @@
-"""Which agents are live: agents, and the router between them and the world, may join, die, hang and return."""
+"""Which agents take part: agents, and the router between them and the world, may join, die, hang and return.
 
-from time import monotonic
+An agent is gone when its liveliness token is. If the router goes, every token does: then, and after the world itself
+has stood still, tokens that are missing are waited for. All times are the world's own running time [s].
+"""
+
+from enum import Enum
 
 from formation.errors import EchelonError
-from network.zenoh_bus import ZenohBus
 from world.world import World
 
 SUSPECT_SECONDS = 0.05
 """Time from an agent's disappearance to its loss [s]; if the router died, all disappear within some milliseconds."""
 RETURN_SECONDS = 3.0
-"""Longest wait for the agents after the router came back [s]."""
+"""Longest wait for the agents after the router came back, or after the world stood still [s]."""
+NOTED_SECONDS = 1.0
+"""A standstill of the world is an event if it lasts this long [s]; tokens live that long without a sign."""
+
+
+class Agent(Enum):
+    """What the world knows of an agent. PRESENT and MISSING agents of the scenario are the live ones."""
+
+    ABSENT = "no token, not live"
+    PRESENT = "token, live: it is waited for"
+    MISSING = "no token, live: a moment later it is lost, unless it was the router that disappeared"
+    FAILED = "token, not live: it did not answer within the patience"
+
+
+class Change(Enum):
+    """What changes that."""
+
+    APPEARS = "its token appears"
+    DISAPPEARS = "its token disappears"
+    LOST = "it has been missing for long enough"
+    SILENT = "it did not answer within the patience"
+    SPEAKS = "it answers a tick again"
+    RECALLED = "a new episode begins"
+
+
+TABLE: dict[tuple[Agent, Change], Agent] = {
+    (Agent.ABSENT, Change.APPEARS): Agent.PRESENT,
+    (Agent.PRESENT, Change.DISAPPEARS): Agent.MISSING,
+    (Agent.PRESENT, Change.SILENT): Agent.FAILED,
+    (Agent.MISSING, Change.APPEARS): Agent.PRESENT,
+    (Agent.MISSING, Change.LOST): Agent.ABSENT,
+    (Agent.MISSING, Change.SILENT): Agent.ABSENT,
+    (Agent.FAILED, Change.APPEARS): Agent.PRESENT,
+    (Agent.FAILED, Change.SPEAKS): Agent.PRESENT,
+    (Agent.FAILED, Change.RECALLED): Agent.PRESENT,
+    (Agent.FAILED, Change.DISAPPEARS): Agent.ABSENT,
+}
+"""(state, change) -> next state; every other change leaves the state as it is."""
 
 
 class AgentPresence:
     """Keeps the world's `live` agents in step with their presence on the network."""
 
-    def __init__(self, session: ZenohBus, world: World) -> None:
-        self._session, self._world = session, world
-        self._present: set[int] = set()
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._agents: dict[int, Agent] = {}
         self._suspects: dict[int, float] = {}
-        self._router_lost: float | None = None
+        """When a robot's token has been missing for long enough."""
+        self._connected = True
+        self._doubt: tuple[float, float] | None = None
+        """While tokens may be missing because of the network: when this ends at the earliest and at the latest.
+
+        In between it ends once every live agent has a token.
+        """
         self._dismissed: set[int] = set()
         self._returning: set[int] = set()
         self.launcher = False
@@ -43,7 +89,7 @@ class AgentPresence:
         self._check(robot)
         if for_good:
             self._returning.discard(robot)
-        elif robot in self._present:
+        elif self._has_token(robot):
             self._returning.add(robot)
         else:  # the launcher restarts it anyway
             return
@@ -71,58 +117,86 @@ class AgentPresence:
         """Robots of the scenario without a live agent."""
         return sorted(set(self._world.robots) - self._world.live)
 
+    @property
+    def failed(self) -> list[int]:
+        """Robots whose agents have a token, but did not answer within the patience."""
+        return [robot for robot in self._world.robots if self._agents.get(robot) is Agent.FAILED]
+
+    @property
+    def certain(self) -> bool:
+        """Whether an agent that is missing or silent is so by itself, not because of the network."""
+        return self._doubt is None
+
+    def _has_token(self, robot: int) -> bool:
+        return self._agents.get(robot) in (Agent.PRESENT, Agent.FAILED)
+
+    # ------------------------------------------------------------------ what happens
+
     def appear(self, robot: int) -> None:
         """An agent's token has appeared."""
-        self._present.add(robot)
-        self.gain(robot)
+        self._change(robot, Change.APPEARS)
 
-    def disappear(self, robot: int) -> None:
+    def disappear(self, robot: int, now: float) -> None:
         """An agent's token has disappeared; `settle` decides a moment later."""
-        self._present.discard(robot)
-        self._suspects[robot] = monotonic() + SUSPECT_SECONDS
+        if self._has_token(robot):
+            self._change(robot, Change.DISAPPEARS)
+            self._suspects[robot] = now + SUSPECT_SECONDS
 
-    def settle(self) -> None:
-        """Count agents that disappeared a moment ago as lost, unless it was the router that disappeared."""
-        now = monotonic()
-        for robot in [robot for robot, at in self._suspects.items() if now >= at]:
-            del self._suspects[robot]
-            if robot not in self._present and self.reachable():
-                self.lose(robot, "lost")
-                if robot in self._returning:  # it was to be replaced, and now it is gone
-                    self._returning.discard(robot)
-                    self._dismissed.discard(robot)
+    def speaks(self, robot: int) -> None:
+        """An agent answers, perhaps after it had failed."""
+        self._change(robot, Change.SPEAKS)
 
-    def gain(self, robot: int) -> None:
-        """Count an agent as live: it has joined, or answers again."""
-        world = self._world
-        if robot in world.robots and robot not in world.live and robot in self._present:
-            world.live.add(robot)
-            world.event("agent", f"agent {robot} is here")
-
-    def lose(self, robot: int, why: str) -> None:
-        """Continue the run without an agent."""
-        if robot in self._world.live:
-            self._world.live.discard(robot)
-            self._world.event("agent", f"agent {robot} {why}", "error")
+    def silent(self, robot: int) -> None:
+        """An agent did not answer within the patience."""
+        self._change(robot, Change.SILENT, "does not answer")
 
     def recall(self) -> None:
-        """Another scenario begins: every agent with a token is live."""
-        self._world.live = self._present & set(self._world.robots)
+        """A new episode begins: agents that did not answer are given another chance."""
+        for robot in list(self._agents):
+            self._change(robot, Change.RECALLED)
+        live = {robot for robot, agent in self._agents.items() if agent in (Agent.PRESENT, Agent.MISSING)}
+        self._world.live = live & set(self._world.robots)
 
-    def reachable(self) -> bool:
-        """Whether the router is reachable, and the agents had time to reconnect after an outage."""
-        now, world = monotonic(), self._world
-        if not self._session.connected:
-            if self._router_lost is None:
-                world.event("run", "router lost: holding", "warning")
-            self._router_lost = now
-            return False
-        if self._router_lost is None:
-            return True
-        if not (world.live <= self._present or now - self._router_lost > RETURN_SECONDS):
-            return False
-        self._router_lost = None
-        world.event("run", "router is back")
-        for robot in sorted(world.live - self._present):
-            self.lose(robot, "lost")
-        return True
+    def connection(self, now: float, *, up: bool) -> None:
+        """The link to the router went down or came up."""
+        if up == self._connected:
+            return
+        self._connected = up
+        earliest = now if self._doubt is None else max(now, self._doubt[0])
+        self._doubt = earliest, now + RETURN_SECONDS
+        text, severity = ("router is back", "info") if up else ("router lost: holding", "warning")
+        self._world.event("run", text, severity)
+
+    def stood_still(self, now: float, seconds: float) -> None:
+        """The world itself, and perhaps everybody, did not run for some time [s]."""
+        self._doubt = now + RETURN_SECONDS, now + RETURN_SECONDS  # tokens disappear only after it
+        if seconds >= NOTED_SECONDS:
+            self._world.event("run", f"the world stood still for {seconds:.1f} s: going on", "warning")
+
+    def settle(self, now: float) -> None:
+        """Count agents that have been missing for long enough as lost."""
+        if self._doubt is not None:
+            earliest, latest = self._doubt
+            back = now >= earliest and all(self._has_token(robot) for robot in self._world.live)
+            if not self._connected or not (back or now >= latest):
+                return
+            self._doubt = None
+        for robot in [robot for robot, at in self._suspects.items() if now >= at]:
+            del self._suspects[robot]
+            if self._has_token(robot):
+                continue
+            self._change(robot, Change.LOST, "lost")
+            if robot in self._returning:  # it was to be replaced, and now it is gone
+                self._returning.discard(robot)
+                self._dismissed.discard(robot)
+
+    def _change(self, robot: int, change: Change, why: str = "") -> None:
+        before = self._agents.get(robot, Agent.ABSENT)
+        after = self._agents[robot] = TABLE.get((before, change), before)
+        world = self._world
+        live = after in (Agent.PRESENT, Agent.MISSING)
+        if robot not in world.robots or live == (robot in world.live):
+            return
+        (world.live.add if live else world.live.discard)(robot)
+        text, severity = (f"agent {robot} is here", "info") if live else (f"agent {robot} {why}", "error")
+        world.event("agent", text, severity)

@@ -15,6 +15,9 @@ from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
 
+BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step)
+"""Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
+
 
 class RunControl:
     """Whether to run, and for how many ticks; carries out the requested operations."""
@@ -46,6 +49,11 @@ class RunControl:
         """Whether the next tick may be sent."""
         return self.status == "running" or (self.status == "paused" and self._ticks_left > 0)
 
+    @property
+    def calling(self) -> bool:
+        """Whether the next tick may be sent although nobody is live, for those who did not answer to answer again."""
+        return self._go and not (self._world.finished or self._world.live) and bool(self._roster.failed)
+
     def note_tick(self) -> None:
         """Count a tick."""
         self._ticks_left = max(0, self._ticks_left - 1)
@@ -60,15 +68,14 @@ class RunControl:
         match operation:
             case control.Start():
                 if world.finished:
-                    world.reset()
+                    self._reset()
                 self._go = True
             case control.Pause():
                 self._go, self._ticks_left = False, 0
             case control.Step(ticks=ticks):
                 self._go, self._ticks_left = False, ticks
             case control.Reset():
-                world.reset()
-                self._ticks_left = 0
+                self._reset()
             case control.Speed(speed=speed):
                 self._pace.speed = speed
             case control.SetFault(link=link, changes=changes, seconds=seconds):
@@ -107,6 +114,11 @@ class RunControl:
         world = self._world
         tables = world.faults.since(known)
         return {"episode": world.episode, "changes": world.faults.changes, "tables": tables}
+
+    def _reset(self) -> None:
+        self._world.reset()
+        self._roster.recall()
+        self._ticks_left = 0
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)

@@ -88,6 +88,14 @@ else:
     ]
 
 
+class Lockstep(Model):
+    """How a lockstep run, in which the world waits for every agent, deals with one that does not answer."""
+
+    patience: Annotated[Duration, Field(gt=0.0)] = 30.0
+    """An agent that is there but does not answer for this long is no longer waited for, until it answers again
+    [s of the world's own running time]."""
+
+
 class Scenario(Model):
     """The complete description of an episode: it determines every trajectory, seed included."""
 
@@ -104,6 +112,7 @@ class Scenario(Model):
     robots: Robots = Robots()
     noise: Noise = Noise()
     controller: AnyController = NashOptions()
+    lockstep: Lockstep = Lockstep()
     link: Fault = Fault()
     """Fault of every link between robots, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()

@@ -14,27 +14,18 @@ from world.run_control import RunControl
 from world.world import World
 
 
-class _Line:
-    connected = True
-
-
 class _Clock:
     now = 100.0
 
-    def __call__(self) -> float:
-        return self.now
-
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
-    made = _Clock()
-    monkeypatch.setattr("world.presence.monotonic", made)
-    return made
+def clock() -> _Clock:
+    return _Clock()
 
 
 def run_of_three() -> tuple[World, AgentPresence, RunControl]:
     world = World(load("triangle-circle"), endless=True)
-    roster = AgentPresence(_Line(), world)  # type: ignore[arg-type]
+    roster = AgentPresence(world)
     roster.launcher = True
     for robot in (1, 2, 3):
         roster.appear(robot)
@@ -42,9 +33,9 @@ def run_of_three() -> tuple[World, AgentPresence, RunControl]:
 
 
 def dies(roster: AgentPresence, clock: _Clock, robot: int) -> None:
-    roster.disappear(robot)
+    roster.disappear(robot, clock.now)
     clock.now += 2.0 * SUSPECT_SECONDS
-    roster.settle()
+    roster.settle(clock.now)
 
 
 def test_a_killed_agent_stays_down_until_it_is_restarted(clock: _Clock) -> None:

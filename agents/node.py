@@ -1,0 +1,262 @@
+"""An agent's part in the protocol of a run, without I/O and without a clock: arrivals and a time in, actions out.
+
+In lockstep it answers a tick only when it has the plan that its upstream neighbour sent at the tick before, uses no
+other, and answers each tick once; an answer that may be lost is sent again unchanged. The trajectory then depends on
+which robots took part in which tick, and on nothing else that the network does.
+"""
+
+from collections.abc import Iterable
+
+from pydantic import ValidationError
+
+from agents.agent import Agent, Answer
+from agents.states import TABLE, Event, Output, State
+from formation.errors import WireError
+from formation.scenario.scenario import Scenario
+from network import topics
+from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
+from network.codec import decode
+from network.control import GetSetup, request
+from network.messages import WORLD, Plan, Setup, Status, Tick
+
+STATUS_INTERVAL = 0.1
+"""Wall-clock time between two statuses [s]."""
+ASK_SECONDS = 0.2
+"""A request for the Setup that is not answered for this long is sent again [s]."""
+MAX_AHEAD, MAX_TICKS_AHEAD = 1.0, 10
+"""A message may be stamped this far ahead of the newest tick [s], or by this many ticks."""
+KEPT_PLANS = 256
+"""Plans that wait for their tick, at most; the oldest go first."""
+KEPT_ANSWERS = 2
+"""Answers that can be sent again: agents of a lockstep run are at most one tick apart."""
+RECENT_EPISODES = 1000
+"""An episode number that is lower by at most so much is an earlier episode of the same world."""
+
+
+class AgentNode:
+    """Keeps one robot's agent in touch with the world and its upstream neighbour. Its table is agents/states.py."""
+
+    def __init__(self, run: str, robot: int, *, pid: int = 0) -> None:
+        """A node before its first Setup.
+
+        Args:
+            run: name of the run.
+            robot: its number, from 1.
+            pid: of its process, for its statuses.
+        """
+        self.state = State.NEW
+        self.rejected = 0
+        """Payloads that were not valid messages."""
+        self._run, self._robot, self._pid = run, robot, pid
+        self._plan_key, self._command_key = topics.plan(run, robot), topics.command(run, robot)
+        self._status_key = topics.status(run, robot)
+        self._setup: Setup | None = None
+        self._scenario: Scenario | None = None
+        self._agent: Agent | None = None
+        self._upstream_key: str | None = None
+        self._plans: dict[tuple[int, int], Plan] = {}
+        """Of the upstream neighbour, by episode and seq."""
+        self._tick: Tick | None = None
+        """The newest that fits the episode and is not answered."""
+        self._unknown: Tick | None = None
+        """The newest of another episode, or too far ahead to be believed without asking."""
+        self._newest = (-1, -1, -1.0)
+        """Episode, seq and stamp of the newest tick that was believed."""
+        self._repeated = False
+        self._answers: list[Answer] = []
+        self._last_status: Status | None = None
+        """Of the episode's last tick; like an answer, it may be lost."""
+        self._answered = -1
+        self._missed = 0
+        self._ask_at = self._status_at = 0.0
+        self._actions: list[Action] = []
+
+    @property
+    def patience(self) -> float:
+        """Feed it again after this long [s], if nothing arrives before."""
+        return ASK_SECONDS if self.state in (State.NEW, State.ASKING) else 0.5
+
+    def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
+        """Take what has arrived.
+
+        Args:
+            arrivals: oldest first.
+            now: monotonic time [s].
+
+        Returns:
+            What is to be done, in order.
+        """
+        for item in arrivals:
+            try:
+                if isinstance(item, Sample):
+                    if item.key.endswith("/tick"):
+                        self._receive_tick(decode(Tick, item.payload))
+                    else:
+                        self._receive_plan(item.key, decode(Plan, item.payload))
+                elif isinstance(item, Response):
+                    self._receive_setup(decode(Setup, item.payload))
+            except (WireError, ValidationError) as error:
+                self._reject(item.key if isinstance(item, Sample) else "setup", error)
+        if self._repeated:
+            self._repeated = False
+            for answer in self._answers:
+                self._publish(answer)
+            if self._last_status is not None:
+                self._actions.append(Publish(self._status_key, self._last_status))
+        self.state, output = TABLE[self.state, self._event()]
+        while output is Output.ANSWER:
+            self._answer(now)
+            self.state, output = TABLE[self.state, self._event()]
+        if output is Output.ASK and now >= self._ask_at:
+            self._ask_at = now + ASK_SECONDS
+            self._actions.append(Ask(request(GetSetup())))
+        actions, self._actions = self._actions, []
+        return actions
+
+    def _event(self) -> Event:
+        tick, agent, setup = self._tick, self._agent, self._setup
+        if tick is None or agent is None or setup is None:
+            return Event.NOTHING if self._unknown is None else Event.UNKNOWN
+        if setup.revision != tick.revision:
+            return Event.UNKNOWN
+        waits = setup.mode == "lockstep" and agent.upstream in tick.planned and agent.upstream not in tick.gone
+        if waits and (tick.episode, tick.seq - 1) not in self._plans:
+            return Event.LACKING if self._unknown is None else Event.UNKNOWN  # the plan may never come
+        return Event.READY
+
+    # ------------------------------------------------------------------ what comes in
+
+    def _receive_tick(self, tick: Tick) -> None:
+        if tick.sender != WORLD:
+            raise WireError(f"expected the world's tick; got one of {tick.sender}")
+        setup = self._setup
+        if setup is not None and 0 < setup.episode - tick.episode <= RECENT_EPISODES:
+            return  # of an episode that is over
+        if setup is None or tick.episode != setup.episode or not self._believable(tick):
+            self._unknown = tick
+            return
+        scenario = self._scenario
+        assert scenario is not None  # comes with the Setup
+        if len(tick.poses) != scenario.size:
+            raise WireError(f"expected {scenario.size} poses; got {len(tick.poses)}")
+        if abs(tick.seq * scenario.control_interval - tick.stamp) > 1e-6:
+            raise WireError(f"expected stamp {tick.seq * scenario.control_interval:g} s; got {tick.stamp:g} s")
+        self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
+        if tick.seq < self._newest[1] or tick.revision < setup.revision:
+            return
+        self._newest = tick.episode, tick.seq, tick.stamp
+        if tick.seq > self._answered and self._agent is not None:
+            self._tick = None if self._robot in tick.gone else tick
+
+    def _believable(self, tick: Tick) -> bool:
+        """Whether the tick can be the world's newest, by what this node knows: one that cannot needs a new Setup.
+
+        In lockstep the world waits for this agent, so the next tick is the one after that which it answered, unless
+        the world went on without it.
+        """
+        setup, scenario = self._setup, self._scenario
+        assert setup is not None
+        assert scenario is not None
+        if setup.mode == "lockstep":
+            return tick.seq <= max(self._answered + 1, round(setup.stamp / scenario.control_interval))
+        return tick.stamp <= max(self._newest[2], setup.stamp) + MAX_AHEAD
+
+    def _receive_plan(self, key: str, plan: Plan) -> None:
+        if plan.sender != topics.robot_of(key):
+            raise WireError(f"expected the sender named in the key; got {plan.sender}")
+        setup = self._setup
+        if setup is None or 0 < setup.episode - plan.episode <= RECENT_EPISODES:
+            return
+        if plan.episode == setup.episode:
+            _, seq, stamp = self._newest
+            if 0 <= seq < plan.seq - MAX_TICKS_AHEAD and plan.stamp > stamp + MAX_AHEAD:
+                raise WireError(f"expected a stamp up to {stamp:g} s; got {plan.stamp:g} s")
+            if setup.mode == "lockstep" and plan.seq < self._answered:
+                return  # of a tick that is over
+        self._plans.setdefault((plan.episode, plan.seq), plan)
+        if len(self._plans) > KEPT_PLANS:
+            del self._plans[next(iter(self._plans))]
+
+    def _receive_setup(self, setup: Setup) -> None:
+        """Take the world's answer, unless it is older than what is known."""
+        held, unknown = self._setup, self._unknown
+        if held is None:
+            self._begin(setup)
+            self.state = State.IDLE
+            self._actions.append(Appear("agent", self._robot))
+        elif setup.episode == held.episode:
+            if (setup.revision, setup.stamp) < (held.revision, held.stamp):
+                return
+            self._renew(setup)
+        elif unknown is None or unknown.episode != setup.episode:
+            return  # of no episode that the world is known to be in
+        else:
+            self._begin(setup)
+        self._ask_at = 0.0
+        self._unknown = None
+        if unknown is not None:  # if it is unknown still, it was never the world's, or the world will repeat it
+            self._receive_tick(unknown)
+            self._unknown = None
+
+    # ------------------------------------------------------------------ episodes
+
+    def _begin(self, setup: Setup) -> None:
+        """A new episode."""
+        scenario = Scenario.model_validate_json(setup.scenario)
+        here = self._robot <= scenario.size
+        agent = Agent(scenario, self._robot, episode=setup.episode) if here else None
+        self._scenario, self._agent = scenario, agent
+        self._answers, self._answered, self._missed, self._last_status = [], -1, 0, None
+        self._tick, self._newest, self._repeated = None, (setup.episode, -1, -1.0), False
+        self._plans = {key: plan for key, plan in self._plans.items() if key[0] == setup.episode}
+        wanted = topics.plan(self._run, agent.upstream) if agent else None
+        if wanted != self._upstream_key:
+            if self._upstream_key is not None:
+                self._actions.append(Unsubscribe(self._upstream_key))
+            if wanted is not None:
+                self._actions.append(Subscribe(wanted))
+            self._upstream_key = wanted
+        self._renew(setup)
+
+    def _renew(self, setup: Setup) -> None:
+        """Another revision of the episode, or the same as of now."""
+        if self._agent is not None:
+            self._agent.set_faults(setup.faults)
+        self._setup = setup
+        if self._tick is not None and self._tick.revision < setup.revision:
+            self._tick = None  # the world is past it
+
+    # ------------------------------------------------------------------ what goes out
+
+    def _answer(self, now: float) -> None:
+        tick, agent, setup = self._tick, self._agent, self._setup
+        assert tick is not None
+        assert agent is not None
+        assert setup is not None
+        self._tick = None
+        lockstep = setup.mode == "lockstep"
+        if not lockstep and self._answered >= 0:
+            self._missed += tick.seq - self._answered - 1
+        for seq in sorted(seq for episode, seq in self._plans if episode == tick.episode and seq < tick.seq):
+            plan = self._plans.pop((tick.episode, seq))
+            if not lockstep or (seq == tick.seq - 1 and agent.upstream in tick.planned):
+                agent.receive(plan)
+        answer = agent.step(tick.seq, tick.stamp, tick.poses[self._robot - 1])
+        self._answered = tick.seq
+        self._answers = [*self._answers[1 - KEPT_ANSWERS :], answer]
+        self._publish(answer)
+        if now >= self._status_at or tick.last:
+            self._status_at = now + STATUS_INTERVAL
+            status = agent.status(tick.seq, tick.stamp, missed=self._missed, rejected=self.rejected, pid=self._pid)
+            self._actions.append(Publish(self._status_key, status))
+            self._last_status = status if tick.last else None
+
+    def _publish(self, answer: Answer) -> None:
+        """The plan first: once the world has the command, the plan is known to be on its way."""
+        if answer.plan is not None:
+            self._actions.append(Publish(self._plan_key, answer.plan))
+        self._actions.append(Publish(self._command_key, answer.command))
+
+    def _reject(self, key: str, error: Exception) -> None:
+        self.rejected += 1
+        self._actions.append(Reject(key, str(error)))

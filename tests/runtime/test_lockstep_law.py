@@ -1,0 +1,257 @@
+"""The central law, without processes: whatever the bus does, lockstep is what one process computes, to the last bit.
+
+World and agents are the very nodes of the processes; they run on the memory bus, on a time of the test's own.
+"""
+
+import os
+from functools import cache, partial
+from typing import Any
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from agents.agent import Agent
+from agents.node import AgentNode
+from formation.scenario.files import load
+from formation.scenario.scenario import Lockstep, Scenario
+from network.control import Reset
+from network.messages import WORLD, Plan, Tick
+from runtime import inprocess
+from tests.memory_run import MemoryRun, Weather
+from world.presence import AgentPresence
+from world.rate import RunningTime
+from world.run_control import RunControl
+from world.world import World
+
+ROBOTS = (1, 2, 3)
+SETTINGS = (
+    "duration=0.15",
+    "noise={slip=0.2, gyro=0.2, position=0.001, heading=0.01}",
+    "faults=[{link='world->2', loss=0.2}, {at=0.04, until=0.1, link='1->2', cut=true}, {link='3->world', loss=0.2}]",
+    "link={latency=0.02, jitter=0.01, loss=0.2, corrupt=0.1}",
+)
+EXAMPLES = int(os.environ.get("ECHELON_EXAMPLES", "40"))
+"""Of each law; tried with 1000 too."""
+
+
+@cache
+def scenario(plan_every: int = 1) -> Scenario:
+    return load("triangle-circle", [*SETTINGS, f"controller.plan_every={plan_every}"])
+
+
+@cache
+def expected(plan_every: int = 1) -> str:
+    """The hash of the trajectory that one process computes."""
+    return str(inprocess.simulate(scenario(plan_every))["trajectory_sha256"])
+
+
+moments = st.floats(0.0, 0.1)
+fates = st.one_of(
+    st.just(()),
+    st.tuples(st.floats(0.0, 3.0)),
+    st.tuples(st.floats(0.0, 0.02), st.floats(0.0, 3.0)),
+)
+weathers = st.builds(
+    Weather,
+    seed=st.integers(0, 2**16),
+    lost=st.sampled_from([0.0, 0.1, 0.4]),
+    doubled=st.sampled_from([0.0, 0.3]),
+    delayed=st.sampled_from([0.0, 0.1, 0.5]),
+    longest=st.sampled_from([0.01, 0.3, 3.0]),
+    until=st.sampled_from([0, 100, 400]),
+    letters=st.dictionaries(st.integers(0, 200), fates, max_size=10),
+)
+
+
+def outage(run: MemoryRun, length: float, delays: tuple[float, ...]) -> None:
+    """The router goes and comes back; every process finds it again in its own time."""
+    run.router_goes()
+    run.at(length, lambda: run.router_returns(delays))
+
+
+def silence(run: MemoryRun, robots: tuple[int, ...], length: float) -> None:
+    """Agents hang; their tokens stay."""
+    run.suspend(*robots)
+    run.at(length, lambda: run.resume(*robots))
+
+
+def standstill(run: MemoryRun, length: float, delays: tuple[float, ...]) -> None:
+    """Everybody is suspended, the router too: afterwards every lease is over, and every link is made anew."""
+    run.suspend(*ROBOTS, world=True)
+
+    def go_on() -> None:
+        run.resume(*ROBOTS, world=True)
+        for bus, delay in zip(list(run.hub.buses), delays, strict=False):
+            run.at(delay, partial(run.hub.disconnect, bus))
+            run.at(2.0 * delay + 0.05, partial(run.connect, bus))
+
+    run.at(length, go_on)
+
+
+def forge(run: MemoryRun, ahead: int, times: int) -> None:
+    """A tick that is not the world's, far ahead, and doubled."""
+    tick = run.world.tick()
+    seq = tick.seq + ahead
+    forged = Tick(
+        WORLD, seq, seq * run.world.scenario.control_interval, tick.episode, tick.revision, tick.poses, tick.planned
+    )
+    for _ in range(times):
+        run.forge_tick(forged)
+
+
+delays = st.tuples(*[st.floats(0.0, 1.0)] * 5)
+incidents = st.one_of(
+    st.tuples(st.just(outage), st.floats(0.001, 5.0), delays),
+    st.tuples(st.just(silence), st.sets(st.sampled_from(ROBOTS), min_size=1).map(tuple), st.floats(0.01, 12.0)),
+    st.tuples(st.just(standstill), st.floats(0.6, 30.0), delays),
+    st.tuples(st.just(forge), st.integers(3, 2**40), st.integers(1, 2)),
+)
+histories = st.lists(st.tuples(moments, incidents), max_size=3)
+
+
+def play(run: MemoryRun, history: list[tuple[float, tuple[Any, ...]]]) -> None:
+    """Have each incident happen at its moment, and the next not before that."""
+    for moment, (act, *arguments) in history:
+        run.run(moment, lambda: run.finished)
+        act(run, *arguments)
+
+
+law = settings(max_examples=EXAMPLES, deadline=None, derandomize=True, database=None)
+"""The same examples each time."""
+search = settings(law, max_examples=200, phases=[Phase.generate])
+"""For a fault that must be found."""
+
+
+@law
+@given(weathers, histories, st.sampled_from([1, 3]))
+def test_whatever_the_bus_does_the_trajectory_is_that_of_one_process(
+    weather: Weather, history: list[Any], plan_every: int
+) -> None:
+    whatever_the_bus_does(weather, history, plan_every)
+
+
+def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int) -> None:
+    run = MemoryRun(scenario(plan_every), weather)
+    play(run, history)
+    assert run.finish() == expected(plan_every)
+
+
+@law
+@given(weathers, histories, st.lists(moments, min_size=1, max_size=3))
+def test_an_episode_begun_anew_is_a_whole_one(weather: Weather, history: list[Any], resets: list[float]) -> None:
+    run = MemoryRun(scenario(), weather)
+    play(run, history)
+    for moment in resets:
+        run.run(moment, lambda: run.finished)
+        begin_anew(run)
+    assert run.finish() == expected()
+
+
+def begin_anew(run: MemoryRun) -> None:
+    episode = run.world.episode
+    run.ask_until(Reset(), lambda: run.world.episode != episode)
+
+
+@law
+@given(weathers, st.sets(st.sampled_from(ROBOTS), min_size=1), st.floats(1.0, 9.0), moments)
+def test_no_silence_is_for_ever(weather: Weather, robots: set[int], length: float, moment: float) -> None:
+    no_silence_is_for_ever(weather, robots, length, moment)
+
+
+def no_silence_is_for_ever(weather: Weather, robots: set[int], length: float, moment: float) -> None:
+    """Agents are silent beyond the patience: declared failed, let in again; and a reset begins a whole episode."""
+    run = MemoryRun(scenario().model_copy(update={"lockstep": Lockstep(patience=1.0)}), weather)
+    run.run(moment, lambda: run.finished)
+    silence(run, tuple(robots), length)
+    run.finish(60.0)
+    run.run(length + weather.longest)
+    run.hub.fate = Weather()
+    begin_anew(run)
+    assert run.finish(60.0) == expected()
+
+
+@law
+@given(weathers, st.lists(st.tuples(moments, st.sampled_from(ROBOTS), st.floats(0.3, 2.0)), min_size=1, max_size=3))
+def test_an_agent_that_is_replaced_joins_cold_at_a_named_tick(
+    weather: Weather, restarts: list[tuple[float, int, float]]
+) -> None:
+    """The run is that of one process in which the same robots took part in the same ticks."""
+    run = MemoryRun(scenario(), weather)
+    for moment, robot, absence in restarts:
+        run.run(moment, lambda: run.finished)
+        if run.agents[robot].alive:
+            run.kill_agent(robot)
+            run.at(absence, partial(run.start_agent, robot))
+    assert run.finish() == in_one_process(run)
+
+
+def in_one_process(run: MemoryRun) -> str:
+    """The hash that world and agents compute when they are called in turn, with who took part as in this run."""
+    world = World(run.world.scenario)
+    lives = [(process.robot, process.steps) for process in [*run.dead, *run.agents.values()]]
+    agents: dict[int, Agent] = {}
+    plans: dict[int, Plan] = {}
+    while not world.finished:
+        tick, counted, answers = world.tick(), run.counted[world.k], {}
+        for life, (robot, steps) in enumerate(lives):
+            if tick.seq not in steps:
+                continue
+            agent = agents.setdefault(life, Agent(world.scenario, robot))
+            agent.set_faults(world.faults.table)
+            plan = plans.get(agent.upstream)
+            if steps[tick.seq] and plan is not None:
+                agent.receive(plan)
+            elif plan is not None:
+                assert not steps[tick.seq]
+                assert agent.upstream not in counted, "only a plan whose sender is gone is done without"
+            answers[robot] = agent.step(tick.seq, tick.stamp, tick.poses[robot - 1])
+        plans = {robot: plan for robot in counted if (plan := answers[robot].plan) is not None}
+        world.advance({robot: answers[robot].command for robot in sorted(counted)})
+    return str(world.summary()["trajectory_sha256"])
+
+
+# ---------------------------------------------------------------------- what the law finds
+
+
+def _five_seconds_of_silence_are_enough(patch: pytest.MonkeyPatch) -> None:
+    impatient = cache(lambda plan_every=1: patient(plan_every).model_copy(update={"lockstep": Lockstep(patience=5.0)}))
+    patient = scenario
+    patch.setattr(f"{__name__}.scenario", impatient)
+
+
+def _nobody_calls_those_who_were_silent(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(RunControl, "calling", False)
+    patch.setattr(AgentPresence, "recall", lambda self: None)
+
+
+def _any_tick_is_believed(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(AgentNode, "_believable", lambda self, tick: True)
+
+
+def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:
+    def look(self: RunningTime, now: float) -> float:
+        self.now = now
+        return 0.0
+
+    patch.setattr(RunningTime, "look", look)
+
+
+WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1)))
+SILENCE = (no_silence_is_for_ever, (weathers, st.just(set(ROBOTS)), st.floats(1.0, 9.0), moments))
+
+
+@pytest.mark.parametrize(
+    ("fault", "law"),
+    [
+        (_five_seconds_of_silence_are_enough, WHATEVER),
+        (_nobody_calls_those_who_were_silent, SILENCE),
+        (_any_tick_is_believed, WHATEVER),
+        (_a_standstill_counts_as_silence, WHATEVER),
+    ],
+)
+def test_a_fault_put_back_is_found(fault: Any, law: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    fault(monkeypatch)
+    check, strategies = law
+    with pytest.raises(AssertionError):
+        search(given(*strategies)(check))()  # type: ignore[no-untyped-call]

@@ -1,0 +1,299 @@
+"""The world's part in the protocol of a run, without I/O and without a clock: arrivals and a time in, actions out.
+
+In lockstep the world waits for the command of every live agent, and repeats its tick while one is missing, so that a
+message lost on the way costs time, not truth. A robot that is lost while a tick is out has no part in this tick, and
+joins again at the next at the earliest. In real time the world goes on with the newest commands.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from formation.errors import WireError
+from network import topics
+from network.bus import Action, Connection, Incoming, Presence, Publish, Query, Reject, Sample
+from network.codec import decode
+from network.messages import Command, Status, Tick
+from world.presence import AgentPresence
+from world.rate import Rate, RunningTime
+from world.requests import Requests
+from world.run_control import RunControl
+from world.states import OUT, TABLE, Event, Phase
+from world.world import World
+
+IDLE_SECONDS = 0.02
+"""Between two looks while simulated time stands still [s]."""
+RESEND_SECONDS = 0.1
+"""A tick that is not answered for this long is sent again [s]."""
+SHOWN_SECONDS = 1.0
+"""A silent agent is shown as waited for after this long [s]."""
+LAST_STATUS_SECONDS = 2.0
+"""How long the last statuses of an episode are waited for [s]."""
+MAX_AHEAD = 1.0
+"""A message may be stamped this far ahead of the world's time [s]."""
+
+
+class WorldNode:
+    """Simulates a World with the agents that take part. Its table is world/states.py."""
+
+    def __init__(self, run: str, world: World, *, speed: float, start: bool) -> None:
+        """A node that holds; world/process.py subscribes for it.
+
+        Args:
+            run: name of the run.
+            world: what is simulated.
+            speed: simulated seconds per second; 0 means as fast as possible.
+            start: begin as soon as every agent is there.
+        """
+        self.phase = Phase.HOLD
+        self._run, self._world = run, world
+        self._pace = Rate(speed)
+        self._roster = AgentPresence(world)
+        self._orders = RunControl(world, self._pace, self._roster, go=start)
+        self._requests = Requests(world, self._orders)
+        self._commands: dict[int, Command] = {}
+        self._tick: Tick | None = None
+        """The newest that went out."""
+        self._awaited: set[int] = set()
+        """Robots that were live when the tick went out and were not lost since."""
+        self._failed_at: dict[int, int] = {}
+        """Of agents that did not answer: the first tick whose answer lets them in again."""
+        self._sent_at = self._asked_at = 0.0
+        """When the tick was sent last, and when the agents' patience began [s of running time]."""
+        self._time = RunningTime()
+        self._states, self._state_at = 0, 0.0
+        self._actions: list[Action] = []
+
+    @property
+    def _running(self) -> float:
+        return self._time.now
+
+    @property
+    def over(self) -> bool:
+        """Whether a user has asked the run to end."""
+        return self._orders.stop
+
+    def patience(self, now: float) -> float:
+        """Feed it again after this long [s], if nothing arrives before."""
+        if self.phase in (Phase.ASK, Phase.CALL):
+            return IDLE_SECONDS if self._requests else topics.STATE.interval
+        if self.phase in (Phase.DRIVE, Phase.PACE):
+            return min(max(0.0, self._pace.left(now)), IDLE_SECONDS)
+        return IDLE_SECONDS
+
+    def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
+        """Take what has arrived, and go on as far as that allows.
+
+        Args:
+            arrivals: oldest first.
+            now: monotonic time [s].
+
+        Returns:
+            What is to be done, in order.
+        """
+        stood_still = self._time.look(now)
+        if stood_still:
+            self._roster.stood_still(self._running, stood_still)
+        for item in arrivals:
+            self._take(item)
+        self._roster.settle(self._running)
+        self._note_changes()
+        while True:
+            self._obey(now)
+            if not self._advance(now):
+                break
+        self._publish_state(now)
+        return self._hand_over()
+
+    def close(self, now: float) -> list[Action]:
+        """What is to be done at the end: the last state."""
+        self._state_at = now
+        self._publish_state(now)
+        return self._hand_over()
+
+    def _hand_over(self) -> list[Action]:
+        actions, self._actions = [*self._requests.actions, *self._actions], []
+        self._requests.actions.clear()
+        self._orders.rejected += sum(isinstance(action, Reject) for action in actions)
+        return actions
+
+    # ------------------------------------------------------------------ time
+
+    def _advance(self, now: float) -> bool:
+        """One phase on, if its time has come. Whether there may be more to do at once."""
+        world = self._world
+        match self.phase:
+            case Phase.HOLD:
+                return self._begin_tick(now)
+            case Phase.ASK | Phase.CALL:
+                calling = self.phase is Phase.CALL
+                if bool(self._commands) if calling else self._awaited <= self._commands.keys():
+                    commands = {robot: self._commands[robot] for robot in sorted(self._commands)}
+                    self._end_tick(commands, now)
+                    self._pace.next(world.scenario.control_interval, now)
+                    return True
+                self._wait()
+                return False
+            case Phase.DRIVE | Phase.PACE:
+                left = self._pace.left(now)
+                if left > 0.0 and not (self._requests and left > topics.STATE.interval):
+                    return False
+                if self.phase is Phase.DRIVE:
+                    self._pace.note_overrun(world.scenario.control_interval, now)
+                    self._end_tick(self._commands, now)
+                else:
+                    self.phase = TABLE[self.phase, Event.FINISHED if world.finished else Event.DUE]
+                return True
+            case Phase.LAST:
+                return self._gather()
+
+    def _begin_tick(self, now: float) -> bool:
+        """Send the next tick, if there is somebody to answer it and the run goes on."""
+        world, orders = self._world, self._orders
+        lockstep = world.mode == "lockstep"
+        if not (orders.active or (lockstep and orders.calling)):
+            self._pace.hold(now)
+            return False
+        self._pace.begin(world.k, now)
+        self._tick, self._awaited, self._commands = world.tick(), set(world.live), {}
+        self._asked_at = self._running
+        self._send_tick()
+        if lockstep:
+            self.phase = TABLE[self.phase, Event.ASKED if self._awaited else Event.CALLED]
+        else:
+            self._pace.next(world.scenario.control_interval, now)
+            self.phase = TABLE[self.phase, Event.DRIVEN]
+        return False
+
+    def _end_tick(self, commands: dict[int, Command], now: float) -> None:
+        world = self._world
+        world.advance(commands)
+        self._pace.end(now)
+        self._orders.note_tick()
+        self.phase = TABLE[
+            self.phase, Event.FINISHED if self.phase is Phase.DRIVE and world.finished else Event.COMPLETE
+        ]
+        self._sent_at = self._asked_at = self._running
+
+    def _send_tick(self) -> None:
+        assert self._tick is not None
+        self._sent_at = self._running
+        self._actions.append(Publish(topics.tick(self._run), self._tick))
+
+    # ------------------------------------------------------------------ lockstep
+
+    def _wait(self) -> None:
+        """Repeat the tick; once the patience is over, count the silent agents as failed."""
+        if self._running - self._sent_at > RESEND_SECONDS:
+            self._send_tick()
+        if not self._roster.certain:
+            self._asked_at = self._running
+        elif self._running - self._asked_at > self._world.scenario.lockstep.patience:
+            for robot in sorted(self._awaited - self._commands.keys()):
+                self._failed_at[robot] = self._world.k
+                self._roster.silent(robot)
+            self._note_changes()
+
+    def _note_changes(self) -> None:
+        """Robots lost while a tick is out have no part in it, and nobody waits for their plan of the tick before."""
+        tick, live = self._tick, self._world.live
+        if self.phase is not Phase.ASK or tick is None or self._awaited == live:
+            return
+        lost = self._awaited - live
+        self._awaited = live - {*tick.gone, *lost}
+        if lost:
+            for robot in lost:
+                self._commands.pop(robot, None)
+            self._tick = replace(tick, gone=sorted({*tick.gone, *lost}))
+            self._send_tick()
+
+    def _gather(self) -> bool:
+        """The episode is over: wait for every live agent's last status."""
+        world = self._world
+        sent = {robot for robot, status in world.statuses.items() if status.seq >= world.k - 1}
+        if world.live <= sent or self._running - self._asked_at > LAST_STATUS_SECONDS:
+            self.phase = TABLE[self.phase, Event.GATHERED]
+            return True
+        if self._running - self._sent_at > RESEND_SECONDS and world.mode == "lockstep":
+            self._send_tick()
+        return False
+
+    # ------------------------------------------------------------------ what comes in
+
+    def _take(self, item: Incoming) -> None:
+        match item:
+            case Sample(key, payload):
+                try:
+                    self._take_sample(key, payload)
+                except WireError as error:
+                    self._reject(key, error)
+            case Query():
+                self._requests.receive(item, self._running)
+            case Presence("agent", robot, here):
+                self._roster.appear(robot) if here else self._roster.disappear(robot, self._running)
+            case Presence("launcher", _, here):
+                self._roster.launcher = here
+            case Connection(up):
+                self._roster.connection(self._running, up=up)
+            case _:
+                pass
+
+    def _take_sample(self, key: str, payload: bytes) -> None:
+        world = self._world
+        message = decode(Command, payload) if key.endswith("/command") else decode(Status, payload)
+        if message.sender != topics.robot_of(key):
+            raise WireError(f"expected the sender named in the key; got {message.sender}")
+        if message.episode != world.episode:
+            return  # an agent that has not yet heard of this episode
+        if message.sender not in world.robots:
+            raise WireError(f"expected a robot of the scenario, 1 to {world.scenario.size}; got {message.sender}")
+        if message.stamp > world.now + MAX_AHEAD:
+            raise WireError(f"expected a stamp up to {world.now:g} s; got {message.stamp:g} s")
+        if isinstance(message, Status):
+            world.hear(message)
+        elif world.mode == "realtime":
+            self._commands[message.sender] = message
+        else:
+            self._take_command(message)
+
+    def _take_command(self, command: Command) -> None:
+        """In lockstep: for the tick that is out, of a robot that was not lost meanwhile."""
+        robot, tick = command.sender, self._tick
+        if command.seq >= self._failed_at.get(robot, 0):
+            self._roster.speaks(robot)
+        if self.phase not in OUT or tick is None or command.seq != tick.seq or robot in tick.gone:
+            return
+        if robot in self._world.live:
+            self._commands.setdefault(robot, command)
+
+    def _reject(self, key: str, error: WireError) -> None:
+        self._actions.append(Reject(key, str(error)))
+
+    # ------------------------------------------------------------------ what users ask and see
+
+    def _obey(self, now: float) -> None:
+        while self.phase is not Phase.LAST and self._requests.carry_out_one(
+            self._running, tick_is_out=self.phase in OUT
+        ):
+            self._state_at = now  # shown at once
+            if self._tick is not None and self._tick.episode != self._world.episode and self.phase is not Phase.HOLD:
+                self.phase = TABLE[self.phase, Event.ABANDONED]
+
+    def _publish_state(self, now: float) -> None:
+        if now < self._state_at or self.phase is Phase.LAST:
+            return
+        self._state_at = now + topics.STATE.interval
+        self._states += 1
+        late = self.phase is Phase.ASK and self._running - self._asked_at > SHOWN_SECONDS
+        waited = self._awaited - self._commands.keys() if late else set()
+        state = self._world.state(
+            seq=self._states,
+            status=self._orders.status,
+            speed=self._pace.speed,
+            pace=self._pace.measured(self._world.now, now),
+            overruns=self._pace.overruns,
+            rejected=self._orders.rejected,
+            waiting_for=sorted({*self._roster.missing, *waited}),
+            dismissed=self._roster.dismissed,
+            compare=self._orders.compare,
+        )
+        self._actions.append(Publish(topics.state(self._run), state))

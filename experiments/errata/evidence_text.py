@@ -144,7 +144,7 @@ def corner_jump() -> Numbers:
 def growing_triangle() -> Numbers:
     """Erratum 26: error of dx_e/dt by eq. (3) while l_r of a triangle grows at 0.05 m/s [m/s]; while it stays.
 
-    All stands still; p_v = (sqrt3/6 l_r, 0) moves the believed centre, of which eq. (3) says nothing.
+    All stands still; p_v = (sqrt3/6 l_r, 0) moves the inferred centre, which eq. (3) leaves out.
     """
     offsets = polygon(3, 0.1)
 

@@ -124,7 +124,7 @@ FOUND = (
         "l̇_r in row l_e alone",
         "ψ̇_r in row ψ_e in place of ω_r, and Rot(ψ) ṗ_v in rows x_e and y_e where p_v depends on l_r",
         "erratum_26_a_growing_triangle_moves_its_virtual_centres",
-        "A triangle whose l_r grows at 0.05 m/s: z moves by {0:.3f} m/s of which eq. (3) says nothing; {1:.0f} if "
+        "A triangle whose l_r grows at 0.05 m/s: z moves by {0:.3f} m/s which eq. (3) leaves out; {1:.0f} if "
         "it does not grow.",
         evidence_text.growing_triangle,
         note="No test of the paper varies its pattern.",

@@ -150,7 +150,7 @@ def recovery(
 ) -> dict[str, Any]:
     """The level over time, mean and interval over seeds, with the event."""
     event = study.event
-    assert event is not None  # the study says so
+    assert event is not None  # a study with such a figure has one
     handles: dict[str, Any] = {}
     for line in lines:
         fixed = {axis: label for axis, label in ((spec.by, line), (spec.panels, panel)) if axis is not None}

@@ -47,7 +47,7 @@ class Axis(Model):
 
     @property
     def labels(self) -> list[Value]:
-        """What the column of the table says, in the order of the grid."""
+        """The values of its column, in the order of the grid."""
         return list(self.values or ()) if self.choices is None else list(self.choices)
 
     @property

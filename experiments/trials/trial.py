@@ -61,8 +61,8 @@ class Trial:
         """Names the result: the same scenario, measured the same way by the same code."""
         event = self.measurement.event
         measurement = {**asdict(self.measurement), "event": event and event.model_dump()}
-        told = [self.scenario, self.seed, measurement, self.code]
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+        named = [self.scenario, self.seed, measurement, self.code]
+        return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
     def load(self) -> Scenario:
         """The scenario that is simulated. Raises ScenarioError."""

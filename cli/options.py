@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from formation.errors import ScenarioError
+from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
@@ -28,6 +28,20 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
     )
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Where trials are simulated."""
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="simulate on the Dask cluster of this scheduler")
+
+
+def check_workers(options: argparse.Namespace) -> None:
+    """Refuse what makes no sense of `add_workers`. Raises EchelonError."""
+    if options.workers is not None and options.workers < 1:
+        raise EchelonError(f"--workers: expected at least 1; got {options.workers}")
+    if options.workers is not None and options.cluster is not None:
+        raise EchelonError("--workers: expected no number with --cluster; the cluster has its own")
 
 
 def overrides(options: argparse.Namespace) -> dict[str, Any]:

@@ -3,16 +3,14 @@
 import argparse
 import json
 import math
-import sys
 from collections.abc import Callable
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from cli.options import tell
+from cli.options import add_workers, check_workers, tell
+from cli.progress import TrialProgress
 from formation.units import seconds
-from runtime.precompile import ensure_compiled
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,21 +20,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seeds", type=_whole(1), default=2, metavar="N", help="with noise, per condition (default: 2)"
     )
-    parser.add_argument("--duration", type=_time, metavar="T", help="cut every flight at T, such as 10s: a quick look")
-    parser.add_argument("--workers", type=_whole(1), metavar="N", help="processes to fly in (default: one per core)")
+    parser.add_argument("--duration", type=_time, metavar="T", help="cut every trial at T, such as 10s: a quick look")
+    add_workers(parser)
     parser.add_argument("--json", action="store_true", help="print the tables and verdicts as one JSON object")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fly, draw, write; and say what holds."""
+    """Simulate, draw, write, and print the verdicts."""
     from experiments.paper import paper  # noqa: PLC0415  matplotlib takes half a second to import, --help does without
     from experiments.paper.chapters import Extent  # noqa: PLC0415
+    from experiments.trials.batch import Place  # noqa: PLC0415
 
+    check_workers(options)
     out = paper.folder(options.out)
-    ensure_compiled(tell)
     extent = Extent(options.seed, options.seeds, options.duration)
-    with _Bars() as progress:
-        report = paper.write(out, extent, progress, options.workers)
+    with TrialProgress("paper") as progress:
+        place = Place(out, options.workers, options.cluster)
+        report = paper.write(extent, place, tell=tell, trials=progress.trials, figures=progress.figures)
     if options.json:
         print(json.dumps(paper.as_json(report), ensure_ascii=False))
         return 0
@@ -47,36 +47,6 @@ def run(options: argparse.Namespace) -> int:
     console.print(table, markup=False)
     console.print(f"{out / 'report.html'}", soft_wrap=True)
     return 0
-
-
-class _Bars:
-    """A progress bar per stage on a terminal; elsewhere a line per stage."""
-
-    def __init__(self) -> None:
-        self._shown = sys.stderr.isatty()
-        self._bars = Progress(
-            TextColumn("{task.description:>8}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            console=Console(stderr=True),
-            disable=not self._shown,
-        )
-        self._tasks: dict[str, TaskID] = {}
-
-    def __enter__(self) -> Callable[[str, int, int], None]:
-        self._bars.start()
-        return self._tell
-
-    def __exit__(self, *_: object) -> None:
-        self._bars.stop()
-
-    def _tell(self, stage: str, done: int, of: int) -> None:
-        if stage not in self._tasks:
-            self._tasks[stage] = self._bars.add_task(stage, total=of)
-            if not self._shown:
-                tell(f"{of} {stage} ...")
-        self._bars.update(self._tasks[stage], completed=done, total=of)
 
 
 def _whole(least: int) -> Callable[[str], int]:

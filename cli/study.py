@@ -1,41 +1,35 @@
-"""`echelon study`: a grid of flights, its table, statistics and figures."""
+"""`echelon study`: a grid of trials, its table, statistics and figures."""
 
 import argparse
 import json
 import math
-import os
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import tell
+from cli.options import add_workers, check_workers, tell
+from cli.progress import TrialProgress
 from experiments.study.study import Study, load, shipped
 from experiments.study.table import Row
 from formation.errors import StudyError
+from formation.scenario.overrides import from_settings
 
 DEFAULT_OUT = "results"
-PLAIN_SECONDS = 20.0
-"""Between the lines that tell the progress where there is no terminal."""
 SHOWN_ROWS = 60
 PLAIN_WIDTH = 150
 """Of tables that are not written to a terminal."""
-WHOLE = 1_000_000
-"""Steps of the progress bar."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
     parser.add_argument("study", nargs="?", help="name or TOML file; without it, the studies there are")
     parser.add_argument("--list", action="store_true", help="list the studies")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="fly on the Dask cluster of this scheduler")
+    add_workers(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"for the results (default: {DEFAULT_OUT}/study-NAME)")
-    parser.add_argument("--seeds", type=int, metavar="N", help="fly every point of the grid so often")
+    parser.add_argument("--seeds", type=int, metavar="N", help="trials of every point of the grid")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenarios"
     )
@@ -43,33 +37,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fly what is missing, write the results, print the figures."""
+    """Simulate what is missing, write the results, print the statistics."""
     if options.list or options.study is None:
         _list(options.json)
         return 0
-    for name in ("workers", "seeds"):
-        if getattr(options, name) is not None and getattr(options, name) < 1:
-            raise StudyError(f"--{name}: expected at least 1; got {getattr(options, name)}")
-    if options.workers is not None and options.cluster is not None:
-        raise StudyError("--workers: expected no number with --cluster; the cluster has its own")
-    study = load(options.study, seeds=options.seeds, settings=options.settings)
+    if options.seeds is not None and options.seeds < 1:
+        raise StudyError(f"--seeds: expected at least 1; got {options.seeds}")
+    check_workers(options)
+    study = load(options.study, seeds=options.seeds, overrides=from_settings(options.settings))
     folder: Path = options.out or Path(DEFAULT_OUT) / f"study-{study.name}"
-    from experiments.study.results import run_and_write  # noqa: PLC0415  with what flies; the list does without
+    from experiments.study.results import run_and_write  # noqa: PLC0415  with the engine; the list does without
+    from experiments.trials.batch import Place  # noqa: PLC0415
 
-    with _Progress(study.name) as progress:
-        try:
-            outcome = run_and_write(
-                study,
-                folder,
-                workers=options.workers or _cores(),
-                cluster=options.cluster,
-                tell=tell,
-                progress=progress.update,
-            )
-        except KeyboardInterrupt:
-            progress.stop()
-            tell("interrupted; the same command goes on where it stopped")
-            raise
+    with TrialProgress(study.name) as progress:
+        place = Place(folder, options.workers, options.cluster)
+        outcome = run_and_write(study, place, tell=tell, progress=progress.trials)
     if options.json:
         print(json.dumps(outcome.plain()))
         return 0
@@ -79,74 +61,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _list(as_json: bool) -> None:
     found = [load(name) for name in shipped()]
     if as_json:
-        print(json.dumps({"studies": [{"name": s.name, "title": s.title, "flights": s.flights} for s in found]}))
+        print(json.dumps({"studies": [{"name": s.name, "title": s.title, "trials": s.trials} for s in found]}))
         return
-    table = Table("study", "flights", "what it asks")
+    table = Table("study", "trials", "what it asks")
     for study in found:
-        table.add_row(study.name, str(study.flights), study.title)
+        table.add_row(study.name, str(study.trials), study.title)
     _console().print(table)
-
-
-class _Progress:
-    """A bar with the time left on a terminal, a line now and then elsewhere."""
-
-    def __init__(self, name: str) -> None:
-        self._terminal = sys.stderr.isatty()
-        self._bar = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[flights]} flights"),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            transient=True,
-            disable=not self._terminal,
-        )
-        self._task = self._bar.add_task(name, total=WHOLE, flights="0")
-        self._began: tuple[float, float] | None = None
-        self._told = time.monotonic()
-
-    def __enter__(self) -> "_Progress":
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
-
-    def stop(self) -> None:
-        """Take the bar away."""
-        self._bar.stop()
-
-    def update(self, share: float, done: int, total: int, flying: bool) -> None:
-        """So much is done.
-
-        Args:
-            share: of the work, 0 to 1; flights of many robots count more.
-            done: flights.
-            total: flights.
-            flying: whether this was flown just now; else an earlier run had flown it.
-        """
-        self._bar.update(self._task, completed=share * WHOLE, flights=f"{done}/{total}")
-        now = time.monotonic()
-        if self._began is None or not flying:
-            self._began = (now, share)  # what an earlier run had flown says nothing about the speed
-            self._bar.reset(self._task, completed=round(share * WHOLE))
-            return
-        if not self._terminal and now - self._told >= PLAIN_SECONDS and share > self._began[1]:
-            self._told = now
-            left = (1.0 - share) * (now - self._began[0]) / (share - self._began[1])
-            tell(f"{done} of {total} flights, about {_duration(left)} left")
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 90.0 else f"{seconds / 60.0:.0f} min"
 
 
 def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, object]]) -> None:
@@ -168,7 +91,7 @@ def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, o
                 _number(row["max"], factor),
             ]
             if row["missing"]:
-                cells[-3] += f" ({row['missing']} of {row['flights']} never)"
+                cells[-3] += f" ({row['missing']} of {row['trials']} never)"
             if ratio:
                 cells += [_number(row["ratio"]), _range(row["ratio_low"], row["ratio_high"])]
             table.add_row(*cells)
@@ -176,14 +99,14 @@ def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, o
         if len(rows) > SHOWN_ROWS:
             console.print(f"... {len(rows) - SHOWN_ROWS} more in summary.csv")
     for bound in bounds:
-        console.print(_verdict(bound), markup=False, highlight=False)
+        console.print(_check(bound), markup=False, highlight=False)
 
 
 def _console() -> Console:
     return Console(width=None if sys.stdout.isatty() else PLAIN_WIDTH)
 
 
-def _verdict(bound: dict[str, object]) -> str:
+def _check(bound: dict[str, object]) -> str:
     where = ", ".join(f"{k} {v}" for k, v in dict(bound["where"]).items())  # type: ignore[call-overload]
     found = "never" if bound["found"] is None else _number(bound["found"])
     why = f" ({bound['why']})" if bound["why"] else ""

@@ -1,6 +1,7 @@
-"""Errors of a formation: pattern errors, tracking error, the paper's error state."""
+"""Errors of a formation: pattern errors, tracking error, the paper's error state; RMS and quantiles of any signal."""
 
 import math
+from typing import overload
 
 import numpy as np
 
@@ -10,6 +11,22 @@ from formation.unicycle import wrap
 
 PAIRS_AT_ONCE = 1_000_000
 """Distances between robots that `clearance` holds in memory at a time."""
+
+
+@overload
+def rms(values: FloatArray) -> float: ...
+@overload
+def rms(values: FloatArray, axis: int) -> FloatArray: ...
+def rms(values: FloatArray, axis: int | None = None) -> float | FloatArray:
+    """Root of the mean square: a float of all values, or an array along one axis."""
+    found: FloatArray = np.sqrt(np.mean(np.square(values), axis=axis))
+    return float(found) if axis is None else found
+
+
+def quantile(values: FloatArray, share: float) -> float | None:
+    """The quantile at a share from 0 to 1 of the finite values; None if there are none."""
+    finite = values[np.isfinite(values)]
+    return float(np.quantile(finite, share)) if finite.size else None
 
 
 def wrapped(angles: FloatArray) -> FloatArray:

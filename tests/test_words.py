@@ -15,9 +15,6 @@ TEXTS = {".py", ".toml", ".html", ".j2", ".css", ".js"}
 PENDING = {
     "agents/kernels/unicycle.py",
     "agents/process.py",
-    "cli/paper.py",
-    "cli/study.py",
-    "experiments",
     "world/process.py",
 }
 """Files and folders that are being rewritten; none is to be added."""

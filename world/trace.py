@@ -8,7 +8,7 @@ import numpy as np
 
 from formation.arrays import FloatArray, timeline
 from formation.links import LinkId
-from formation.metrics import pattern_errors, tracking_error
+from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command, Event, LinkCounts
 from world.convergence import Convergence
@@ -97,7 +97,6 @@ class Trace:
         distance, angle, tracking = self._errors(first)
         ages = self._ages[first:done]
         solves = self._solves[first:done]
-        solves = solves[np.isfinite(solves)]
         return {
             "scenario": scenario.name,
             "controller": scenario.controller.name,
@@ -129,34 +128,24 @@ class Trace:
                 }
                 for link, c in counts.items()
             },
-            "solve_s": {"median": _quantile(solves, 0.5), "p99": _quantile(solves, 0.99)},
+            "solve_s": {"median": quantile(solves, 0.5), "p99": quantile(solves, 0.99)},
             "events": [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in events],
         }
 
 
-def _spread(signed: FloatArray) -> dict[str, float]:
-    """Measures of the absolute value; `final` keeps its sign."""
+def _spread(signed: FloatArray) -> dict[str, float | None]:
+    """Statistics of the absolute value; `final` keeps its sign."""
     size = np.abs(signed)
     return {
-        "rms": float(np.sqrt(np.mean(size**2))),
-        "median": _quantile(size, 0.5),
-        "q1": _quantile(size, 0.25),
-        "q3": _quantile(size, 0.75),
-        "p95": _quantile(size, 0.95),
+        "rms": rms(size),
+        "median": quantile(size, 0.5),
+        "q1": quantile(size, 0.25),
+        "q3": quantile(size, 0.75),
+        "p95": quantile(size, 0.95),
         "max": float(size.max()),
         "final": float(signed[-1]),
     }
 
 
 def _ages(ages: FloatArray) -> dict[str, float | None]:
-    ages = ages[np.isfinite(ages)]
-    return {
-        "median": _quantile(ages, 0.5),
-        "p95": _quantile(ages, 0.95),
-        "max": float(ages.max()) if ages.size else None,
-    }
-
-
-def _quantile(values: FloatArray, share: float) -> Any:
-    """None if there is nothing to measure."""
-    return float(np.quantile(values, share)) if values.size else None
+    return {"median": quantile(ages, 0.5), "p95": quantile(ages, 0.95), "max": quantile(ages, 1.0)}

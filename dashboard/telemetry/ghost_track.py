@@ -8,7 +8,7 @@ import numpy as np
 
 from dashboard.telemetry.series import POINTS, Series, Trail
 from formation.arrays import FloatArray
-from formation.metrics import wrapped
+from formation.metrics import rms, wrapped
 from network.messages import Ghost, State
 
 COLUMNS = ("ghost_distance", "ghost_angle", "ghost_tracking")
@@ -123,8 +123,4 @@ def comparisons(series: Mapping[str, FloatArray]) -> list[Comparison]:
     if both.sum() < COMPARED_ROWS:
         return []
     pairs = (("distance", "distance_max", COLUMNS[0]), ("tracking", "tracking", COLUMNS[2]))
-    return [Comparison(name, _rms(series[live][both]), _rms(series[ghost][both])) for name, live, ghost in pairs]
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return [Comparison(name, rms(series[live][both]), rms(series[ghost][both])) for name, live, ghost in pairs]

@@ -1,26 +1,31 @@
-"""The page of errata: what is printed, what it must be, what shows it, and what it does to a flight."""
+"""The page of errata: what is printed, what it must be, what shows it, and how it changes a formation's errors."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from experiments.errata.entry import Entry
 from experiments.errata.errata_list import ENTRIES
-from formation.scenario.files import load
-from runtime.inprocess import simulate
+from experiments.trials.trial import Measurement, Trial, trial
+from formation.scenario.overrides import Overrides, merged
 
-FLIGHTS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "figure8": ("figure8", ("controller.name=paper", "duration=30")),
-    "circle": ("circle", ("controller.name=paper", "duration=30")),
-    "spiral": ("spiral", ("controller.name=paper", "duration=30")),
-    "triangle-corner": ("triangle-corner", ("controller.name=paper", "duration=25", "path.at=10")),
-    "figure8, leader-follower": ("figure8", ("controller.name=leader_follower", "duration=60")),
-    "circle, leader-follower": ("circle", ("controller.name=leader_follower", "duration=60")),
+MEASURE = "distance_rms_m"
+"""Of the worst robot."""
+
+
+def _case(scenario: str, controller: str, duration: float, **more: Any) -> tuple[str, Overrides]:
+    return scenario, {"controller": {"name": controller}, "duration": duration, **more}
+
+
+CASES: dict[str, tuple[str, Overrides]] = {
+    "figure8": _case("figure8", "paper", 30),
+    "circle": _case("circle", "paper", 30),
+    "spiral": _case("spiral", "paper", 30),
+    "triangle-corner": _case("triangle-corner", "paper", 25, path={"at": 10}),
+    "figure8, leader-follower": _case("figure8", "leader_follower", 60),
+    "circle, leader-follower": _case("circle", "leader_follower", 60),
 }
-"""Flights by name: the scenario and its settings. Everything else is as printed."""
-
-Job = tuple[str, tuple[str, ...]]
-"""A flight and settings on top of its own."""
-Mapper = Callable[[Callable[[Job], float], Iterable[Job]], Iterable[float]]
+"""By name: the scenario and its overrides. Everything else is as printed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,46 +38,45 @@ class Erratum:
     printed: str
     mended: str
     evidence: str
-    """What shows it, with the figures computed for it, and the test that holds it."""
+    """What shows it, with the numbers computed for it, and the test that holds it."""
     effect_mm: dict[str, tuple[float, float]] | None
-    """By flight: RMS l_e as printed, and with only this one mended [mm]; None if no controller feels it."""
+    """By case: RMS l_e as printed, and with only this one mended [mm]; None if no controller is affected."""
     note: str
 
 
-def errata_table(progress: Callable[[float], None] | None = None, *, mapper: Mapper = map) -> tuple[Erratum, ...]:
-    """Every erratum, computed and flown.
+def trials() -> list[Trial]:
+    """What has to be simulated for the table: each case as printed and as mended, once."""
+    found = {trial.name: trial for entry in ENTRIES for pair in _pairs(entry).values() for trial in pair}
+    return list(found.values())
+
+
+def errata_table(rms_mm: Mapping[str, float]) -> tuple[Erratum, ...]:
+    """Every erratum with its evidence and effect.
 
     Args:
-        progress: told the share that is done.
-        mapper: how flights are flown: `map`, or that of a pool of processes.
+        rms_mm: RMS l_e of the worst robot by the name of a trial of `trials()` [mm].
     """
-    jobs = list(dict.fromkeys(job for entry in ENTRIES for pair in _jobs(entry).values() for job in pair))
-    rms: dict[Job, float] = {}
-    for job, value in zip(jobs, mapper(rms_mm, jobs), strict=True):
-        rms[job] = value
-        if progress:
-            progress(len(rms) / len(jobs))
     return tuple(
         Erratum(
             entry.number,
             entry.where,
             entry.printed,
             entry.mended,
-            f"{entry.shows.format(*entry.figures())} (test_{entry.test})",
-            {flight: (rms[printed], rms[mended]) for flight, (printed, mended) in _jobs(entry).items()} or None,
+            f"{entry.shows.format(*entry.numbers())} (test_{entry.test})",
+            {case: (rms_mm[printed.name], rms_mm[mended.name]) for case, (printed, mended) in _pairs(entry).items()}
+            or None,
             entry.note,
         )
         for entry in ENTRIES
     )
 
 
-def _jobs(entry: Entry) -> dict[str, tuple[Job, Job]]:
-    """By flight: the jobs as printed and as mended."""
-    return {flight: ((flight, entry.as_printed), (flight, entry.as_mended)) for flight in entry.flights}
+def _pairs(entry: Entry) -> dict[str, tuple[Trial, Trial]]:
+    """By case: the trials as printed and as mended."""
+    return {case: (_trial(case, entry.as_printed), _trial(case, entry.as_mended)) for case in entry.cases}
 
 
-def rms_mm(job: Job) -> float:
-    """RMS l_e of the worst robot on a flight with these settings [mm]."""
-    name, settings = FLIGHTS[job[0]]
-    robots = simulate(load(name, [*settings, *job[1]]))["robots"]
-    return 1e3 * max(float(robot["distance_error_m"]["rms"]) for robot in robots.values())
+def _trial(case: str, changes: Overrides) -> Trial:
+    scenario, overrides = CASES[case]
+    name = f"errata/{case}/{dict(changes) or 'as printed'}"
+    return trial(name, scenario, merged(overrides, changes), 0, Measurement((MEASURE,)))

@@ -1,4 +1,4 @@
-"""The errata of the paper, in words: printed, mended, what shows it, and which flights feel it.
+"""The errata of the paper, in words: printed, mended, what shows it, and which simulations are affected.
 
 1 to 12 are those that controllers know by these numbers; from 13 on they were found since. A sentence of evidence has
 places for the figures that its function computes.
@@ -9,7 +9,7 @@ from experiments.errata.entry import PROOF, Entry
 from experiments.errata.found import FOUND
 
 TWO = ("figure8", "circle")
-"""The flights of two robots that each erratum of the algorithm is flown on."""
+"""The cases of two robots that each erratum of the algorithm is simulated on."""
 MOTION = (
     "Against the exact motion of {2:.0f} random pairs dz/dt is off by up to {0:.2g} m/s as printed, {1:.1g} mended."
 )
@@ -23,8 +23,8 @@ PRINTED = (
         "erratum_1_omega_times_xi_does_not_belong_into_the_rows_x_and_y",
         MOTION,
         lambda: (*evidence.rate_errors(1), evidence.CASES),
-        flights=("triangle-corner",),
-        as_mended=("controller.errata=[1]",),
+        cases=("triangle-corner",),
+        as_mended={"controller": {"errata": [1]}},
         note="Two robots have p_v = 0 and do not feel it.",
     ),
     Entry(
@@ -35,8 +35,8 @@ PRINTED = (
         "erratum_2_the_centres_velocity_depends_on_both_headings",
         MOTION,
         lambda: (*evidence.rate_errors(2), evidence.CASES),
-        flights=TWO,
-        as_mended=("controller.errata=[2]",),
+        cases=TWO,
+        as_mended={"controller": {"errata": [2]}},
     ),
     Entry(
         3,
@@ -46,8 +46,8 @@ PRINTED = (
         "erratum_3_the_column_of_theta_e_has_a_factor_2_too_much",
         "a₄₃ is {0:.3f} times the derivative of eq. (3) by finite differences as printed, {1:.3f} times mended.",
         evidence.theta_column_ratio,
-        flights=TWO,
-        as_mended=("controller.errata=[3]",),
+        cases=TWO,
+        as_mended={"controller": {"errata": [3]}},
     ),
     Entry(
         4,
@@ -58,8 +58,8 @@ PRINTED = (
         "At z = 0 with the reference's inputs eq. (5) predicts z₊ off by {0:.2g} m after Δ_T = 0.1 s as printed, "
         "{1:.1g} mended: the formation has to lag behind its path to be pulled along.",
         evidence.missing_drift,
-        flights=TWO,
-        as_mended=("controller.errata=[4]",),
+        cases=TWO,
+        as_mended={"controller": {"errata": [4]}},
     ),
     Entry(
         5,
@@ -70,8 +70,8 @@ PRINTED = (
         "What is played differs from the equilibrium of (4), (5), (8), (9) by {0:.2g} (m/s or rad/s, median of random "
         "pairs) as printed, {1:.1g} mended.",
         evidence.distance_to_equilibrium,
-        flights=TWO,
-        as_mended=("controller.errata=[5]",),
+        cases=TWO,
+        as_mended={"controller": {"errata": [5]}},
     ),
     Entry(
         6,
@@ -81,8 +81,8 @@ PRINTED = (
         "erratum_6_only_without_its_second_entry_is_p_v_the_centroid_of_all_three_pairs",
         "In a perfect triangle the pairs believe centres that are {0:.4f} m apart as printed, {1:.1g} m mended.",
         evidence_text.centres_apart,
-        flights=("triangle-corner",),
-        as_printed=("controller.misprints=[6]",),
+        cases=("triangle-corner",),
+        as_printed={"controller": {"misprints": [6]}},
     ),
     Entry(
         7,
@@ -93,8 +93,8 @@ PRINTED = (
         "In perfect formation robot 2 sees ψ_e = {0:.3f} rad as printed, {1:.1g} mended; the caption of fig. 5, "
         "ψ_e,1 (= ψ_e,2), agrees with the mended one only.",
         evidence_text.angle_in_formation,
-        flights=("figure8",),
-        as_printed=("controller.misprints=[7]",),
+        cases=("figure8",),
+        as_printed={"controller": {"misprints": [7]}},
     ),
     Entry(
         8,
@@ -114,8 +114,8 @@ PRINTED = (
         "erratum_9_path_4_as_printed_is_a_circle_of_a_centimetre",
         "In 126 s the path goes {0:.2f} m from the origin as printed, {1:.2f} m mended.",
         evidence_text.fourth_path,
-        flights=("spiral",),
-        as_printed=("path={kind='circle', radius=0.01, rate=0.1}",),
+        cases=("spiral",),
+        as_printed={"path": {"kind": "circle", "radius": 0.01, "rate": 0.1}},
     ),
     Entry(
         10,
@@ -125,7 +125,7 @@ PRINTED = (
         "the_weights_are_those_of_the_tests_and_erratum_10_gives_the_third_the_second_tests_q",
         "Q has {0:.0f} entries as printed, and the error state has {1:.0f}.",
         evidence_text.weights_of_the_third_test,
-        note="As printed nobody can compute with it; the third test's page flies the ways to fill it up.",
+        note="As printed nobody can compute with it; the third test's page simulates the ways to fill it up.",
     ),
     Entry(
         11,
@@ -135,11 +135,11 @@ PRINTED = (
         "erratum_11_with_e_theta_below_the_followers_errors_shrink",
         "With V = |e|²/2 and e = (0, 0.1 m, 0.01 rad), dV/dt is {0:+.1e} as printed, and {1:+.1e} mended.",
         evidence_text.lyapunov_slope,
-        flights=(
+        cases=(
             "figure8, leader-follower",
             "circle, leader-follower",
         ),
-        as_printed=("controller.misprints=[11]",),
+        as_printed={"controller": {"misprints": [11]}},
     ),
     Entry(
         12,
@@ -160,11 +160,11 @@ PRINTED = (
         "In place beside a leader on the circle of Ref. path 2 the follower leaves its place at {0:.2g} m/s by the "
         "printed law, {1:.1g} by the mended one: the baseline's errors are this term, not the nonholonomic constraint.",
         evidence_text.leaving_the_place,
-        flights=(
+        cases=(
             "figure8, leader-follower",
             "circle, leader-follower",
         ),
-        as_mended=("controller.errata=[13]",),
+        as_mended={"controller": {"errata": [13]}},
     ),
     Entry(
         14,
@@ -175,8 +175,8 @@ PRINTED = (
         "What is played differs from the best response to the received plan by {0:.2g} (median of random pairs) as "
         "printed, {1:.1g} mended.",
         evidence.distance_to_best_response,
-        flights=TWO,
-        as_mended=("controller.errata=[14]",),
+        cases=TWO,
+        as_mended={"controller": {"errata": [14]}},
     ),
 )
 

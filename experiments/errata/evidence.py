@@ -1,7 +1,8 @@
-"""What shows that the equations are misprinted: each figure as (printed, mended), computed from the code that flies.
+"""What shows that the equations are misprinted: each number as (printed, mended), computed from the product's code.
 
 One `Case` is a pair of robots somewhere, with inputs, reference and virtual centre drawn from a seed; its exact motion
-judges eq. (3) and the appendix. experiments/errata/errata.py prints these figures, tests/test_errata.py holds them.
+judges eq. (3) and the appendix. experiments/errata/errata.py puts these numbers into a table,
+tests/experiments/errata holds them.
 """
 
 import math
@@ -18,8 +19,8 @@ from formation.unicycle import step
 DT = 0.1
 """Delta_T [s]."""
 CASES = 20
-"""Random pairs per figure."""
-Figures = tuple[float, ...]
+"""Random pairs per number."""
+Numbers = tuple[float, ...]
 
 
 class Case:
@@ -89,7 +90,7 @@ def switches(*mended: int) -> FloatArray:
     return flags
 
 
-def rate_errors(number: int) -> Figures:
+def rate_errors(number: int) -> Numbers:
     """Errata 1, 2: largest error of dz/dt by eq. (3) [m/s], the other one mended."""
 
     def worst(*mended: int) -> float:
@@ -99,7 +100,7 @@ def rate_errors(number: int) -> Figures:
     return worst(3 - number, 3), worst(1, 2, 3)
 
 
-def theta_column_ratio() -> Figures:
+def theta_column_ratio() -> Numbers:
     """Erratum 3: a_43 over its true value, median of the cases."""
 
     def ratio(*mended: int) -> float:
@@ -160,17 +161,17 @@ class Game:
         return np.asarray(np.linalg.solve(hessian[np.ix_(own, own)], -pull).reshape(-1, 2), dtype=float)
 
 
-def distance_to_equilibrium() -> Figures:
+def distance_to_equilibrium() -> Numbers:
     """Erratum 5: largest difference of what is played from the equilibrium [m/s, rad/s], median of the cases."""
     return _median_gap("joint", (1, 2, 3), (1, 2, 3, 5))
 
 
-def distance_to_best_response() -> Figures:
+def distance_to_best_response() -> Numbers:
     """Erratum 14: largest difference of what is played from the best response to the received plan."""
     return _median_gap("best_response", (1, 2, 3), (1, 2, 3, paper_errors.BEST_RESPONSE))
 
 
-def _median_gap(aim: str, *variants: tuple[int, ...]) -> Figures:
+def _median_gap(aim: str, *variants: tuple[int, ...]) -> Numbers:
     def gap(seed: int, mended: tuple[int, ...]) -> float:
         game = Game(seed, *mended)
         return float(np.abs(game.play() - getattr(game, aim)()).max())
@@ -178,7 +179,7 @@ def _median_gap(aim: str, *variants: tuple[int, ...]) -> Figures:
     return tuple(float(np.median([gap(seed, mended) for seed in range(CASES)])) for mended in variants)
 
 
-def rates_of_one_state() -> Figures:
+def rates_of_one_state() -> Numbers:
     """Erratum 15: spread of dl_e/dt [m/s] over pairs of one and the same z, u_i, u_-i, by theta_i - theta_c alone."""
     case = Case(7)
     rates = []
@@ -187,7 +188,7 @@ def rates_of_one_state() -> Figures:
     return (float(np.ptp(rates)),)
 
 
-def controllable_directions() -> Figures:
+def controllable_directions() -> Numbers:
     """Erratum 16: rank of [B, AB, ...] of (5), two robots abreast on a straight line; of (5), and of the true motion.
 
     The true motion is that of the pair's six coordinates.
@@ -208,7 +209,7 @@ def _reached(a: FloatArray, b: FloatArray) -> int:
     return int(np.linalg.matrix_rank(np.hstack(powers), tol=1e-9))
 
 
-def missing_drift() -> Figures:
+def missing_drift() -> Numbers:
     """Erratum 4: error of eq. (5) after one Delta_T for a pair in formation that moves as its reference does [m]."""
     own, other, ref = np.array([0.0, -0.05, 0.0]), np.array([0.0, 0.05, 0.0]), np.array([0.0, 0.0, 0.0, 0.1, 0.0])
     a, bi, bu, rate = np.empty((5, 5)), np.empty((5, 2)), np.empty((5, 2)), np.empty(5)

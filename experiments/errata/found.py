@@ -1,4 +1,4 @@
-"""Errata of the paper from 15 on: statements, proofs and data. None but 24 is felt by a controller."""
+"""Errata of the paper from 15 on: statements, proofs and data. None but 24 affects a controller."""
 
 from experiments.errata import evidence, evidence_text
 from experiments.errata.entry import PROOF, Entry
@@ -105,8 +105,8 @@ FOUND = (
         "erratum_24_one_index_stands_for_two_intervals",
         "Read by step 8 the horizon of 20 steps is {0:.1f} s, and not the {1:.0f} s that section 4 states.",
         evidence_text.horizons,
-        flights=("figure8", "circle"),
-        as_printed=("controller.prediction_interval=0.01",),
+        cases=("figure8", "circle"),
+        as_printed={"controller": {"prediction_interval": 0.01}},
     ),
     Entry(
         25,
@@ -116,7 +116,7 @@ FOUND = (
         "erratum_25_the_second_tests_path_is_not_differentiable",
         "At t = 20 s its velocity jumps by {0:.3f} m/s; that of Ref. path 1 by {1:.1g}.",
         evidence_text.corner_jump,
-        note="A contradiction of the paper; the test is flown as it is.",
+        note="A contradiction of the paper; the test is simulated as it is.",
     ),
     Entry(
         26,
@@ -124,7 +124,7 @@ FOUND = (
         "l̇_r in row l_e alone",
         "ψ̇_r in row ψ_e in place of ω_r, and Rot(ψ) ṗ_v in rows x_e and y_e where p_v depends on l_r",
         "erratum_26_a_growing_triangle_moves_its_virtual_centres",
-        "A triangle whose l_r grows at 0.05 m/s: z moves by {0:.3f} m/s of which eq. (3) says nothing; {1:.0f} if "
+        "A triangle whose l_r grows at 0.05 m/s: z moves by {0:.3f} m/s which eq. (3) leaves out; {1:.0f} if "
         "it does not grow.",
         evidence_text.growing_triangle,
         note="No test of the paper varies its pattern.",

@@ -6,19 +6,22 @@ own (erratum 18), while the error state wants both headings of a pair to have th
 difference (errata 15, 16): the pattern comes apart at omega_r times its size, and next to nothing pulls it together.
 """
 
+import hashlib
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from agents.kernels.paper_errors import BEST_RESPONSE, ONE_HEADING, ROLLED_OUT, STEP_4_STATES
-from experiments.errata.ring_map import Ring, Wording
+from experiments.errata.ring_map import ROBOTS, TICK, Ring, Wording
+from experiments.trials.code_version import check_code_version, code_version
+from runtime.precompile import ensure_compiled
 
 LAP = 126.0
 """One lap of Ref. path 2 [s]."""
 BOUND = 25.0
 """A reading is bounded if RMS l_e stays below this in every 10 s of a lap [mm]: the largest error of the start."""
 LOOK = 10.0
-"""When the flight is linearised [s]: the start is over, the pattern not yet apart."""
+"""When the trajectory is linearised [s]: the start is over, the pattern not yet apart."""
 FAST = 10
 """Ticks from plan to plan in the quick study; the readings marked `exact` plan on every tick even there."""
 
@@ -33,7 +36,7 @@ class Reading:
     """RMS l_e of the three robots in every 10 s from the printed start [mm]."""
     bounded: bool
     spectral_radius: float | None
-    """Of the closed loop's map over one second, linearised in the path's frame where the flight is after 10 s."""
+    """Of the closed loop's map over one second, linearised in the path's frame about the state after 10 s."""
 
 
 PRINTED_Q4 = (0.1, 0.1, 0.2, 0.01)
@@ -63,44 +66,53 @@ READINGS: tuple[tuple[str, str, Wording], ...] = (
 """Name, words, and what they mean."""
 
 
-Job = tuple[str, str, Wording]
-Mapper = Callable[[Callable[[Job], Reading], Iterable[Job]], Iterable[Reading]]
 EXACT = ("as printed", "orientation kept")
 """Readings that plan on every tick, as the paper says, in the quick study too."""
 
 
-def read(name: str, words: str, wording: Wording) -> Reading:
-    """Fly one reading for a lap, and linearise it."""
-    ring = Ring(wording)
-    rms = tuple(float(value) for value in 1e3 * ring.simulate(LAP))
-    return Reading(name, words, rms, max(rms) < BOUND, math.exp(ring.rates(LOOK)[0]))
+@dataclass(frozen=True, slots=True)
+class ReadingTrial:
+    """One lap under one wording, as work for a pool (experiments/trials/pool.py)."""
+
+    title: str
+    words: str
+    wording: Wording
+    code: str = field(default_factory=code_version)
+    """`code_version()` of who asks."""
+
+    @property
+    def name(self) -> str:
+        """What errors call it."""
+        return f"reading {self.title}"
+
+    @property
+    def key(self) -> str:
+        """Names the result."""
+        return hashlib.sha256(f"{self.title}\n{self.wording!r}\n{self.code}".encode()).hexdigest()
+
+    @property
+    def cost(self) -> int:
+        """Plans of a lap: each takes about as long as a control interval of a `Trial`."""
+        return round(LAP / TICK / self.wording.every * ROBOTS)
+
+    def run(self) -> dict[str, Any]:
+        """RMS and spectral radius as plain data. Raises EchelonError."""
+        check_code_version(self.code)
+        ensure_compiled(lambda _: None)
+        ring = Ring(self.wording)
+        rms_mm = (1e3 * ring.simulate(LAP)).tolist()
+        return {"rms_mm": rms_mm, "spectral_radius": math.exp(ring.rates(LOOK)[0])}
 
 
-def quick() -> tuple[Job, ...]:
+def reading_of(trial: ReadingTrial, plain: dict[str, Any]) -> Reading:
+    """What became of a reading, from the plain data of its trial."""
+    rms_mm = tuple(plain["rms_mm"])
+    return Reading(trial.title, trial.words, rms_mm, max(rms_mm) < BOUND, plain["spectral_radius"])
+
+
+def quick() -> tuple[ReadingTrial, ...]:
     """READINGS with a plan on every tenth tick only, but for EXACT: ten times cheaper, with the same verdicts."""
     return tuple(
-        (name, words, wording if name in EXACT else replace(wording, every=FAST)) for name, words, wording in READINGS
+        ReadingTrial(title, words, wording if title in EXACT else replace(wording, every=FAST))
+        for title, words, wording in READINGS
     )
-
-
-def third_test(
-    progress: Callable[[float], None] | None = None, *, thorough: bool = False, mapper: Mapper = map
-) -> tuple[Reading, ...]:
-    """Every reading of READINGS, flown for a lap from the printed start.
-
-    Args:
-        progress: told the share that is done.
-        thorough: as they are; else as in quick().
-        mapper: how readings are flown: `map`, or that of a pool of processes.
-    """
-    jobs = READINGS if thorough else quick()
-    results = []
-    for reading in mapper(_read, jobs):
-        results.append(reading)
-        if progress:
-            progress(len(results) / len(jobs))
-    return tuple(results)
-
-
-def _read(job: Job) -> Reading:
-    return read(*job)

@@ -29,7 +29,7 @@ MEASURED_EVERY = 10
 SHOWN_RATES = 6
 """Growth rates that are looked at; the others belong to plans and vanish within a second."""
 LOST = 10.0
-"""Distance to the path [m] beyond which a flight is over."""
+"""Distance to the path [m] beyond which a simulation ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ class Ring:
         return np.stack([*rows, np.full_like(t, speed), np.full_like(t, self._rate)], axis=-1)
 
     def start(self) -> FloatArray:
-        """The state at the printed start: poses, poses as last told, plans (zero, step 2)."""
+        """The state at the printed start: poses, poses as last received, plans (zero, step 2)."""
         poses = STARTS.copy()
         if self.wording.clockwise:  # the mirror image: p_1 in front again
             poses[:, 1:] *= -1.0
@@ -114,16 +114,16 @@ class Ring:
     def advance(self, k: int, state: FloatArray) -> FloatArray:
         """The state one planning interval after tick k."""
         way, n = self.wording, self.wording.horizon
-        poses, told = state[:9].reshape(3, 3), state[9:18].reshape(3, 3)
+        poses, received_poses = state[:9].reshape(3, 3), state[9:18].reshape(3, 3)
         if way.wrapped:
-            poses, told = _wrapped(poses), _wrapped(told)
+            poses, received_poses = _wrapped(poses), _wrapped(received_poses)
         plans = state[18:].reshape(ROBOTS, n, 2)
         if way.aged:
             share = TICK * way.every / way.interval
             plans = (1.0 - share) * plans + share * np.concatenate([plans[:, 1:], plans[:, -1:]], axis=1)
         ref = self.centre(k * TICK + way.interval * np.arange(n + 1, dtype=float))
         made = plans.copy()
-        seen = told if way.play == "message" and not way.aged else poses
+        seen = received_poses if way.play == "message" and not way.aged else poses
         for i in range(ROBOTS):
             j = (i + self._step) % ROBOTS
             received = made[j] if way.play == "sequence" else plans[j]
@@ -169,7 +169,7 @@ class Ring:
         return np.array(columns).T / (2.0 * h)
 
     def rates(self, seconds: float) -> FloatArray:
-        """Growth rates [1/s] of small deviations where the flight is after some seconds, the largest first."""
+        """Growth rates [1/s] of small deviations about the state after some seconds, the largest first."""
         state, every = self.start(), self.wording.every
         steps = round(seconds / TICK / every)
         for step in range(steps):

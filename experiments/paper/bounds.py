@@ -1,4 +1,4 @@
-"""What this project claims over the paper for two robots on the four paths, beside what was flown."""
+"""What this project claims over the paper for two robots on the four paths, beside what was found."""
 
 from collections.abc import Mapping
 
@@ -7,7 +7,7 @@ import numpy as np
 from experiments.metrics import spread
 from experiments.report.report import Verdict, grade
 from experiments.report.table import Cell, Table
-from experiments.trials.trial import TrialResult
+from experiments.trials.result import Signals
 
 MEDIAN = 0.04
 """Largest median of |l_e| on any path [mm]."""
@@ -20,17 +20,17 @@ NEAR_ABOVE = 0.05
 """... where that is above this [mm]."""
 
 
-def bounds(paths: Mapping[str, Mapping[str, TrialResult]]) -> tuple[Table, Verdict]:
+def bounds(paths: Mapping[str, Mapping[str, Signals]]) -> tuple[Table, Verdict]:
     """The table of `nash` against its bounds by path, and the verdict of it."""
     rows: list[tuple[Cell, ...]] = []
     parts: list[bool] = []
-    for path, flights in paths.items():
-        found = spread(np.abs(flights["nash"].distance) * 1e3)
+    for path, trials in paths.items():
+        found = spread(np.abs(trials["nash"].distance) * 1e3)
         limit = MAXIMUM.get(path, MAXIMUM_ELSEWHERE)
         parts += [found.median <= MEDIAN, found.maximum <= limit]
         best = None
-        if "centralised" in flights:
-            best = spread(flights["centralised"].distance * 1e3).rms
+        if "centralised" in trials:
+            best = spread(trials["centralised"].distance * 1e3).rms
             if best > NEAR_ABOVE:
                 parts.append(found.rms <= NEAR * best)
         ratio = None if best is None or best <= NEAR_ABOVE else found.rms / best

@@ -1,4 +1,4 @@
-"""What the paper claims of its plots, and whether it holds: pure functions of flights.
+"""What the paper claims of its plots, and whether it holds: pure functions of trials.
 
 The paper prints no numbers, so its words are given one meaning here, the same for all tests.
 """
@@ -8,37 +8,38 @@ from typing import Literal
 
 import numpy as np
 
-from experiments.metrics import rms, settled, spread
+from experiments.metrics import recovery, spread
 from experiments.report.report import Verdict, grade
 from experiments.report.table import shown
-from experiments.trials.trial import TrialResult
+from experiments.trials.result import Signals
 from formation.arrays import FloatArray
+from formation.metrics import rms
 
 MUCH = 5.0
 """Errors are "very small compared with" others, or "much smaller", if they are at most a fifth of them."""
 OPTIMAL = 1.5
-"""An objective is "optimally achieved" within 1.5 times the error of the best controller that was flown."""
+"""An objective is "optimally achieved" within 1.5 times the error of the best controller that was simulated."""
 SMALL = 0.1
 """A deviation is "small" up to a tenth of the spacing."""
 ZERO = 0.01
 """Errors have "converged to zero" below a hundredth of the spacing; 0.1 m apart, 1 mm."""
 GROWTH = 1.1
-"""Errors are bounded if the last quarter of the flight is at most a tenth worse than the second."""
+"""Errors are bounded if the last quarter of the trial is at most a tenth worse than the second."""
 TURNING = 0.05
 """The formation turns where the robots' mean omega is above this [rad/s]."""
 SETTLING = 20.0
-"""What the first seconds of a flight from printed start poses show is the start [s]."""
+"""What the first seconds of a trial from printed start poses show is the start [s]."""
 
 
 def mm(value: float) -> str:
-    """A length [m] for people."""
+    """A length [m] as text in millimetres."""
     return f"{shown(value * 1e3)} mm"
 
 
-def outer_is_faster(flown: TrialResult) -> float:
+def outer_is_faster(trial: Signals) -> float:
     """Share of the turning ticks on which the outer of two robots side by side drives faster."""
-    rows = flown.after(SETTLING)
-    inputs = flown.inputs[min(rows.start, len(flown.inputs) - 1) :]
+    rows = trial.after(SETTLING)
+    inputs = trial.inputs[min(rows.start, len(trial.inputs) - 1) :]
     turn = inputs[..., 1].mean(axis=1)
     turning = np.abs(turn) > TURNING
     if not turning.any():
@@ -47,9 +48,9 @@ def outer_is_faster(flown: TrialResult) -> float:
     return float(faster[turning].mean())
 
 
-def turns(flights: Mapping[str, TrialResult]) -> Verdict:
+def turns(trials: Mapping[str, Signals]) -> Verdict:
     """Figs. 3-4: on turns the outside robot is quick and the inside robot slow."""
-    share = {name: outer_is_faster(flights[name]) for name in ("paper", "nash")}
+    share = {name: outer_is_faster(trials[name]) for name in ("paper", "nash")}
     return Verdict(
         "On turns the outside robot drives quickly and the inside robot slowly, and so the line is kept (figs. 3, 4).",
         f"The outer robot is the faster one during {share['paper']:.1%} of the turning time with `paper` "
@@ -58,10 +59,10 @@ def turns(flights: Mapping[str, TrialResult]) -> Verdict:
     )
 
 
-def both_objectives(flights: Mapping[str, TrialResult]) -> Verdict:
+def both_objectives(trials: Mapping[str, Signals]) -> Verdict:
     """Fig. 3: trajectory tracking and formation keeping are optimally achieved."""
-    keeping = {name: rms(f.distance[f.after(SETTLING)]) for name, f in flights.items()}
-    tracking = {name: rms(f.tracking[f.after(SETTLING)]) for name, f in flights.items()}
+    keeping = {name: rms(f.distance[f.after(SETTLING)]) for name, f in trials.items()}
+    tracking = {name: rms(f.tracking[f.after(SETTLING)]) for name, f in trials.items()}
     best_keeping, best_tracking = min(keeping, key=keeping.__getitem__), min(tracking, key=tracking.__getitem__)
     return Verdict(
         "Trajectory tracking and formation keeping are both optimally achieved (fig. 3).",
@@ -77,11 +78,11 @@ def both_objectives(flights: Mapping[str, TrialResult]) -> Verdict:
     )
 
 
-def follower_errs(flights: Mapping[str, TrialResult]) -> Verdict:
+def follower_errs(trials: Mapping[str, Signals]) -> Verdict:
     """Fig. 5: the leader-follower's bearing error is large, those of the proposed algorithm small beside it."""
-    rows = {name: flown.after(SETTLING) for name, flown in flights.items()}
-    distance = {name: rms(flown.distance[rows[name]]) for name, flown in flights.items()}
-    angle = {name: rms(flown.angle[rows[name]]) for name, flown in flights.items()}
+    rows = {name: trial.after(SETTLING) for name, trial in trials.items()}
+    distance = {name: rms(trial.distance[rows[name]]) for name, trial in trials.items()}
+    angle = {name: rms(trial.angle[rows[name]]) for name, trial in trials.items()}
     return Verdict(
         "The follower makes a large bearing error when its leader turns; beside it the proposed algorithm's pattern "
         "errors are small (fig. 5).",
@@ -92,12 +93,12 @@ def follower_errs(flights: Mapping[str, TrialResult]) -> Verdict:
     )
 
 
-def boxes_smaller(paths: Mapping[str, Mapping[str, TrialResult]], what: Literal["distance", "angle"]) -> Verdict:
+def boxes_smaller(paths: Mapping[str, Mapping[str, Signals]], what: Literal["distance", "angle"]) -> Verdict:
     """Figs. 6-7: errors very small compared with leader-follower, deviations much smaller in all the cases."""
     words: list[str] = []
     parts: list[bool] = []
-    for path, flights in paths.items():
-        found = {name: getattr(flights[name], what) for name in ("paper", "leader_follower")}
+    for path, trials in paths.items():
+        found = {name: getattr(trials[name], what) for name in ("paper", "leader_follower")}
         size = {name: spread(np.abs(errors)).median for name, errors in found.items()}
         width = {name: spread(errors).width for name, errors in found.items()}
         parts += [MUCH * e["paper"] <= e["leader_follower"] for e in (size, width)]
@@ -113,9 +114,9 @@ def boxes_smaller(paths: Mapping[str, Mapping[str, TrialResult]], what: Literal[
     )
 
 
-def corner_recovers(flown: TrialResult, spacing: float, corner: float) -> Verdict:
+def corner_recovers(trial: Signals, spacing: float, corner: float) -> Verdict:
     """Fig. 9: errors converge to zero, with a small deviation where the path changes direction."""
-    deviation, final = corner_errors(flown, corner)
+    deviation, final = corner_errors(trial, corner)
     return Verdict(
         "Three robots keep the triangle; the distance errors converge to zero, with a small deviation where the path "
         "changes direction (figs. 8 and 9).",
@@ -125,19 +126,17 @@ def corner_recovers(flown: TrialResult, spacing: float, corner: float) -> Verdic
     )
 
 
-def corner_errors(flown: TrialResult, corner: float) -> tuple[float, float]:
+def corner_errors(trial: Signals, corner: float) -> tuple[float, float]:
     """Largest |l_e| after the corner, and in the last 5 s [m]."""
-    size = np.abs(flown.distance)
-    last = float(flown.times[-1])
-    return float(size[flown.after(corner)].max()), float(size[flown.after(max(corner, last - 5.0))].max())
+    size = np.abs(trial.distance)
+    last = float(trial.times[-1])
+    return float(size[trial.after(corner)].max()), float(size[trial.after(max(corner, last - 5.0))].max())
 
 
-def corner_beaten(flown: TrialResult, corner: float) -> Verdict:
+def corner_beaten(trial: Signals, corner: float) -> Verdict:
     """What this project claims of `nash` on the sharp corner."""
-    deviation, _ = corner_errors(flown, corner)
-    rows = flown.after(corner)
-    size = np.abs(flown.distance[rows]).max(axis=1)
-    back = settled(flown.times[rows], size, 1e-4, corner)
+    deviation, _ = corner_errors(trial, corner)
+    back = recovery(trial.times, np.abs(trial.distance).max(axis=1), below=1e-4, since=corner)
     when = "does not come back under 0.1 mm" if back is None else f"is back under 0.1 mm after {back:.1f} s"
     return Verdict(
         "This project: after the sharp corner `nash` stays within 10 mm, and is back under 0.1 mm within 10 s.",
@@ -146,9 +145,9 @@ def corner_beaten(flown: TrialResult, corner: float) -> Verdict:
     )
 
 
-def circle_bounded(flown: TrialResult, spacing: float) -> Verdict:
+def circle_bounded(trial: Signals, spacing: float) -> Verdict:
     """Figs. 10-11: the formation is kept on the circle; errors remain, and stay bounded."""
-    sizes = quarters(flown)
+    sizes = quarters(trial)
     return Verdict(
         "Three robots keep the triangle on the circle; distance errors remain, but stay bounded (figs. 10 and 11).",
         f"With `paper` the RMS of lₑ is {', '.join(mm(size) for size in sizes)} in the four quarters of the lap.",
@@ -156,6 +155,6 @@ def circle_bounded(flown: TrialResult, spacing: float) -> Verdict:
     )
 
 
-def quarters(flown: TrialResult) -> list[float]:
-    """RMS of l_e in each quarter of the flight [m]."""
-    return [rms(part) for part in np.array_split(flown.distance, 4)]
+def quarters(trial: Signals) -> list[float]:
+    """RMS of l_e in each quarter of the trial [m]."""
+    return [rms(part) for part in np.array_split(trial.distance, 4)]

@@ -1,31 +1,11 @@
 """The report's page of errata, and what other readings of the third test's text would mean."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 
-from experiments.errata.errata import Erratum, Job, errata_table
-from experiments.errata.readings import BOUND, LOOK, Reading, third_test
-from experiments.paper.chapters import Extent
+from experiments.errata.errata import Erratum
+from experiments.errata.readings import BOUND, LOOK, Reading
 from experiments.report.report import Section, Verdict, grade
 from experiments.report.table import Cell, Table
-from experiments.trials.trial import WorkerPool
-
-Told = Callable[[int, int], None]
-
-
-def simulate(extent: Extent, crew: WorkerPool, progress: Told) -> tuple[Erratum, ...]:
-    """Every erratum with its flights; a quick look (`extent.limit`) flies none of them and has no effects."""
-
-    def mapper(work: Callable[[Job], float], jobs: Iterable[Job]) -> Iterable[float]:
-        return crew.map(work, jobs, progress) if extent.limit is None else [float("nan") for _ in jobs]
-
-    return errata_table(mapper=mapper)
-
-
-def read(extent: Extent, crew: WorkerPool, progress: Told) -> tuple[Reading, ...]:
-    """Every reading of the third test; none in a quick look."""
-    if extent.limit is not None:
-        return ()
-    return third_test(mapper=lambda work, jobs: crew.map(work, jobs, progress))
 
 
 def sections(errata: Sequence[Erratum], readings: Sequence[Reading]) -> list[Section]:
@@ -52,9 +32,9 @@ def sections(errata: Sequence[Erratum], readings: Sequence[Reading]) -> list[Sec
         return [page]
     words = (
         "The third test's text leaves room: it prints no ψᵣ, four entries of Q for five states, and a procedure with "
-        "gaps. Each reading below is flown for a lap from the printed start; it counts as bounded if the RMS of lₑ "
+        "gaps. Each reading below is simulated for a lap from the printed start; it counts as bounded if the RMS of lₑ "
         f"stays below {BOUND:g} mm, the largest error of the start, in every 10 s. The spectral radius is that of the "
-        f"closed loop over one second, linearised where the flight is after {LOOK:g} s: above 1 no start stays."
+        f"closed loop over one second, linearised about the state after {LOOK:g} s: above 1 no start stays."
     )
     return [
         page,
@@ -67,15 +47,15 @@ def sections(errata: Sequence[Erratum], readings: Sequence[Reading]) -> list[Sec
 
 
 def effects(errata: Sequence[Erratum]) -> Table:
-    """A row for each erratum and flight that feels it."""
+    """A row for each erratum and case that it affects."""
     rows: list[tuple[Cell, ...]] = []
     for erratum in errata:
-        for flight, (printed, mended) in (erratum.effect_mm or {}).items():
-            rows.append((erratum.number, flight, printed, mended, mended - printed))
+        for case, (printed, mended) in (erratum.effect_mm or {}).items():
+            rows.append((erratum.number, case, printed, mended, mended - printed))
     return Table(
         "errata-effects",
         "RMS of lₑ, worst robot [mm]",
-        ("no.", "flight", "as printed", "only this one mended", "change"),
+        ("no.", "case", "as printed", "only this one mended", "change"),
         tuple(rows),
     )
 

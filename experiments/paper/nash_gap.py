@@ -1,4 +1,4 @@
-"""How near to an equilibrium `nash` flies: what a robot could still gain by deviating alone."""
+"""How near to an equilibrium `nash` is: what a robot could still gain by deviating alone."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,43 +6,44 @@ import numpy as np
 
 from experiments.metrics import spread
 from experiments.paper.chapters import Chapter, Extent
-from experiments.report.figures import Line, over_time
+from experiments.report.figures import Curve, over_time
 from experiments.report.report import Picture, Section
 from experiments.report.style import PALETTE
 from experiments.report.table import Cell, Table
-from experiments.trials.trial import GAP_EVERY, Trial, TrialResult
+from experiments.trials.result import Signals
+from experiments.trials.trial import GAP_EVERY, Trial
 from formation.scenario import files
 
-FLIGHTS = {
+TESTS = {
     "first/nash": ("figure8", "first test, figure 8"),
     "second/nash": ("triangle-corner", "second test, sharp corner"),
     "third/nash": ("triangle-circle", "third test, circle"),
 }
-"""Flights of experiments/paper/replication.py along which the gap is sampled: scenario, and what they are called."""
+"""Trials of experiments/paper/replication.py along which the gap is sampled: scenario, and what they are called."""
 FLOOR = 1e-16
 """Where the logarithmic axis ends: what is below is rounding."""
 MILLIMETRE = 1e-3
 """What the gap is compared with: the cost of a distance error of this size, kept up over the horizon [m]."""
 
 
-def _orders(extent: Extent) -> Sequence[Trial]:
-    del extent  # the flights are those of the paper's own tests
+def _trials(extent: Extent) -> Sequence[Trial]:
+    del extent  # the trials are those of the paper's own tests
     return ()
 
 
-def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Section]:
+def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Section]:
     del extent
     unit = millimetre_cost()
     panels, rows = [], []
-    for key, (name, title) in FLIGHTS.items():
-        flight, task = flown[key], files.load(name)
-        times = np.arange(len(flight.gaps)) * GAP_EVERY * task.control_interval
+    for key, (name, title) in TESTS.items():
+        trial, task = signals[key], files.load(name)
+        times = np.arange(len(trial.gaps)) * GAP_EVERY * task.control_interval
         lines = [
-            Line(f"robot {i + 1}", times, np.maximum(gaps, FLOOR), PALETTE[i], ("-", "--", "-.")[i % 3])
-            for i, gaps in enumerate(flight.gaps.T)
+            Curve(f"robot {i + 1}", times, np.maximum(gaps, FLOOR), PALETTE[i], ("-", "--", "-.")[i % 3])
+            for i, gaps in enumerate(trial.gaps.T)
         ]
         panels.append((title, r"Nash gap $\varepsilon_i$", lines))
-        found = spread(flight.gaps)
+        found = spread(trial.gaps)
         row: tuple[Cell, ...] = (title, found.median, found.upper, found.maximum, found.median / unit)
         rows.append(row)
     return [
@@ -51,8 +52,8 @@ def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Sect
             "How near to an equilibrium",
             (
                 "The Nash gap εᵢ is how much robot i could still lower its own cost Jᵢ by changing its plan alone, "
-                "given the plans that it believes its neighbour plays; at an equilibrium every gap is zero. It is "
-                "sampled at 10 Hz along the flights of `nash` above. Jᵢ has no unit that speaks, so the last column "
+                "given the plan that it expects its neighbour to follow; at an equilibrium every gap is zero. It is "
+                "sampled at 10 Hz along the trials of `nash` above. The unit of Jᵢ has no meaning, so the last column "
                 f"gives the gap in units of {unit:.3g}: the cost of 1 mm of distance error over the whole horizon.",
                 Picture(
                     "nash-gap",
@@ -62,8 +63,8 @@ def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Sect
                 ),
                 Table(
                     "nash-gap",
-                    "Nash gap along the flight, all robots",
-                    ("flight", "median", "upper quartile", "maximum", "median, in costs of 1 mm"),
+                    "Nash gap along the trial, all robots",
+                    ("trial", "median", "upper quartile", "maximum", "median, in costs of 1 mm"),
                     tuple(rows),
                 ),
             ),
@@ -80,4 +81,4 @@ def millimetre_cost() -> float:
     return 0.5 * (task.controller.horizon + 1) * radial * MILLIMETRE**2
 
 
-CHAPTER = Chapter(_orders, _sections)
+CHAPTER = Chapter(_trials, _sections)

@@ -6,24 +6,26 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.metrics import rms
-from experiments.paper.chapters import Chapter, Extent
+from experiments.paper.chapters import IN_FORMATION, Chapter, Extent
 from experiments.report.figures import bands
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.style import BLUE, VERMILION
 from experiments.report.table import Cell, Table
-from experiments.trials.trial import Trial, TrialResult
+from experiments.trials.result import Signals
+from experiments.trials.trial import Trial
 from formation.arrays import FloatArray
+from formation.metrics import rms
+from formation.scenario.overrides import Overrides
 
-NOISE = ("noise.slip=0.2", "noise.gyro=0.2", "noise.position=0.001", "noise.heading=0.01")
+NOISE: Overrides = {"noise": {"slip": 0.2, "gyro": 0.2, "position": 0.001, "heading": 0.01}}
 """Per tick v and omega times 1 + 0.2 n, omega plus 0.2 n rad/s; poses measured to 1 mm and 0.01 rad."""
-FLIGHT = ("duration=40", "controller.plan_every=5", "controller.name=nash")
+NASH: Overrides = {"duration": 40, "controller": {"name": "nash", "plan_every": 5}}
 """A new plan every 0.05 s (docs/theory.md, section 10)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """What befalls every plan."""
+    """What happens to every plan on its link."""
 
     name: str
     latency: float = 0.0
@@ -45,17 +47,16 @@ CONDITIONS = (
 AGED, FRESH = "aged", "taken as if fresh"
 
 
-def _orders(extent: Extent) -> Sequence[Trial]:
+def _trials(extent: Extent) -> Sequence[Trial]:
     return [
-        extent.order(
-            _key(belief, condition, seed),
+        extent.trial(
+            _name(belief, condition, seed),
             "triangle-circle",
-            *NOISE,
-            *FLIGHT,
-            f"link.latency={condition.latency}",
-            f"link.loss={condition.loss}",
-            f"controller.age_plans={str(belief == AGED).lower()}",
-            in_formation=True,
+            NOISE,
+            NASH,
+            {"link": {"latency": condition.latency, "loss": condition.loss}},
+            {"controller": {"age_plans": belief == AGED}},
+            IN_FORMATION,
             seed=seed,
         )
         for belief in (AGED, FRESH)
@@ -64,14 +65,14 @@ def _orders(extent: Extent) -> Sequence[Trial]:
     ]
 
 
-def _key(belief: str, condition: Condition, seed: int) -> str:
+def _name(belief: str, condition: Condition, seed: int) -> str:
     return f"noisy/{belief}/{condition.name}/{seed}"
 
 
-def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Section]:
+def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Section]:
     found = {
         (belief, condition.name): np.array(
-            [measure(flown[_key(belief, condition, seed)]) for seed in range(extent.seeds)]
+            [measure(signals[_name(belief, condition, seed)]) for seed in range(extent.seeds)]
         )
         for belief in (AGED, FRESH)
         for condition in CONDITIONS
@@ -84,14 +85,15 @@ def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Sect
             (
                 "Without noise every prediction is perfect, and lateness costs nothing. Here wheels slip (each tick v "
                 "and ω are multiplied by 1 + 0.2 n, and 0.2 n rad/s is added to ω; n is standard normal) and robots "
-                "see themselves with errors of 1 mm and 0.01 rad. A triangle flies the circle; measured is the second "
-                f"half of 40 s, {seeds}, the same noise and the same faults for every row. **Aged** plans are rolled "
-                "forward along themselves by their age; the others are taken as if they had just been made.",
+                "measure their poses with errors of 1 mm and 0.01 rad. A triangle drives round the circle; measured is "
+                f"the second half of 40 s, {seeds}, the same noise and the same faults for every row. **Aged** plans "
+                "are rolled forward along themselves by their age; the others are taken as if they had just been made.",
                 Picture("late-plans", _drawn(found), _CAPTION, _ALT),
                 table(found),
                 verdict(found),
-                "Mind what this shows: the heavy weight on the centre leans each robot on its own slot, which needs no "
-                "message. What messages buy shows when a robot [cannot keep its slot](#stuck).",
+                "These numbers say little about messages: the heavy weight on the centre makes each robot follow its "
+                "own slot, which needs no message. What messages are worth shows when a robot "
+                "[cannot keep its slot](#stuck).",
             ),
         )
     ]
@@ -101,10 +103,10 @@ _CAPTION = "**Late plans.** RMS of lₑ and of the centre's distance to the path
 _ALT = "RMS errors over latency, for plans that are aged and for plans taken as if fresh"
 
 
-def measure(flight: TrialResult) -> tuple[float, float]:
-    """RMS of l_e, and of the centre's distance to the path, in the second half of the flight [mm]."""
-    rows = flight.after(flight.times[-1] / 2.0)
-    return rms(flight.distance[rows]) * 1e3, rms(flight.tracking[rows]) * 1e3
+def measure(trial: Signals) -> tuple[float, float]:
+    """RMS of l_e, and of the centre's distance to the path, in the second half of the trial [mm]."""
+    rows = trial.after(trial.times[-1] / 2.0)
+    return rms(trial.distance[rows]) * 1e3, rms(trial.tracking[rows]) * 1e3
 
 
 def _drawn(found: Mapping[tuple[str, str], FloatArray]) -> Figure:
@@ -160,4 +162,4 @@ def verdict(found: Mapping[tuple[str, str], FloatArray]) -> Verdict:
     )
 
 
-CHAPTER = Chapter(_orders, _sections)
+CHAPTER = Chapter(_trials, _sections)

@@ -1,22 +1,27 @@
 """`echelon paper`: every result of the paper's section 4 again, and what this project adds, as one report."""
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+from experiments.errata import errata, readings
+from experiments.errata.errata import Erratum
+from experiments.errata.readings import Reading
 from experiments.paper import errata_chapter, nash_gap, noisy, replication, stuck, switching
 from experiments.paper.chapters import Chapter, Extent
 from experiments.report.html import html
 from experiments.report.report import Report, Section, Verdict, markdown, unjudged
 from experiments.report.style import release, save, styled
 from experiments.report.table import Table
-from experiments.trials.trial import TrialResult, WorkerPool, simulate_all
+from experiments.trials.batch import Place, run_batch
+from experiments.trials.pool import Progress, Work
+from experiments.trials.result import Signals, result_of
 from formation.errors import EchelonError
 
 CHAPTERS: tuple[Chapter, ...] = (replication.CHAPTER, nash_gap.CHAPTER, stuck.CHAPTER, noisy.CHAPTER, switching.CHAPTER)
 TITLE = "Nash equilibrium-based geometric pattern formation: the paper again, in numbers"
-Progress = Callable[[str, int, int], None]
-"""Told what is being done, how much of it is done, and of how much."""
 
 
 def folder(name: str) -> Path:
@@ -39,27 +44,30 @@ def folder(name: str) -> Path:
     return place
 
 
-def write(out: Path, extent: Extent, progress: Progress, workers: int | None = None) -> Report:
-    """Fly everything and write the report.
+def write(
+    extent: Extent, place: Place, *, tell: Callable[[str], None], trials: Progress, figures: Callable[[int, int], None]
+) -> Report:
+    """Simulate what the folder's journal lacks, and write the report.
 
     Args:
-        out: an existing folder; in it come report.html, report.md, figures/ and tables/.
-        extent: how much is flown.
-        progress: told how far it is.
-        workers: processes to fly in; by default one per core.
+        extent: how much is simulated.
+        place: where, and an existing folder; in it come report.html, report.md, figures/ and tables/.
+        tell: called with lines for the user.
+        trials: called for each trial whose result is there.
+        figures: called with the number of figures that are drawn, and of all.
+
+    Raises:
+        EchelonError: a trial failed.
     """
-    orders = [order for chapter in CHAPTERS for order in chapter.orders(extent)]
-    with WorkerPool(workers) as crew:
-        flown = simulate_all(orders, crew, lambda done, of: progress("flights", done, of))
-        errata = errata_chapter.simulate(extent, crew, lambda done, of: progress("errata", done, of))
-        readings = errata_chapter.read(extent, crew, lambda done, of: progress("readings", done, of))
+    out = place.folder
+    results = _results(extent, place, tell, trials)
     with styled():
-        report = compose(extent, flown, errata_chapter.sections(errata, readings))
+        report = compose(extent, results)
         pictures = report.pictures()
         for done, picture in enumerate(pictures):
-            progress("figures", done, len(pictures))
+            figures(done, len(pictures))
             save(picture.figure, out / "figures" / picture.stem, extent.note)
-        progress("figures", len(pictures), len(pictures))
+        figures(len(pictures), len(pictures))
     for table in report.tables():
         _text(out / "tables" / f"{table.name}.csv", table.csv())
     _text(out / "report.md", markdown(report))
@@ -67,27 +75,60 @@ def write(out: Path, extent: Extent, progress: Progress, workers: int | None = N
     return report
 
 
-def compose(extent: Extent, flown: Mapping[str, TrialResult], more: Sequence[Section]) -> Report:
-    """The report of what was flown, and more sections; called within `style.styled()`."""
-    sections = [section for chapter in CHAPTERS for section in chapter.sections(extent, flown)]
-    sections += more
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """What the report is made of."""
+
+    signals: Mapping[str, Signals]
+    """Of the chapters' trials, by name."""
+    errata: Sequence[Erratum]
+    readings: Sequence[Reading]
+    """Of the third test; none in a quick look."""
+
+
+def _results(extent: Extent, place: Place, tell: Callable[[str], None], progress: Progress) -> Results:
+    """Everything that is simulated, in one batch. A quick look simulates no errata and no readings."""
+    chapters = [trial for chapter in CHAPTERS for trial in chapter.trials(extent)]
+    effects = errata.trials()
+    laps = readings.quick() if extent.limit is None else ()
+    batch: list[Work] = [*chapters, *(effects if extent.limit is None else ()), *laps]
+    if len({work.name for work in batch}) != len(batch):
+        raise ValueError("two trials have the same name")
+    plain = {
+        work.name: data for work, data in zip(batch, run_batch(batch, place, tell=tell, progress=progress), strict=True)
+    }
+    signals = {trial.name: result_of(trial, plain[trial.name]).signals for trial in chapters}
+    rms_mm = {
+        trial.name: 1e3 * plain[trial.name]["values"][errata.MEASURE] if extent.limit is None else math.nan
+        for trial in effects
+    }
+    return Results(
+        {name: found for name, found in signals.items() if found is not None},
+        errata.errata_table(rms_mm),
+        [readings.reading_of(lap, plain[lap.name]) for lap in laps],
+    )
+
+
+def compose(extent: Extent, results: Results) -> Report:
+    """The report of these results; called within `style.styled()`."""
+    sections = [section for chapter in CHAPTERS for section in chapter.sections(extent, results.signals)]
+    sections += errata_chapter.sections(results.errata, results.readings)
     if extent.limit is not None:
         sections = [unjudged(section) for section in sections]
     cut = (
-        ""
-        if extent.limit is None
-        else (f" **Every flight was cut at {extent.limit:g} s: too short to judge a claim.**")
+        "" if extent.limit is None else (f" **Every trial was cut at {extent.limit:g} s: too short to judge a claim.**")
     )
     lead = (
         "Lee, Kim, Lee and Myung (2014) let wheeled robots keep a formation by a receding-horizon Nash game between "
-        "neighbours, and show it in eleven figures without a number. Here each of their tests is flown again: by "
+        "neighbours, and show it in eleven figures without a number. Here each of their tests is simulated again: by "
         "`paper`, the algorithm as printed; by `leader_follower`, the law that they compare with; and by `nash`, this "
         "project's controller. Numbers of equations and figures are the paper's.",
         "Beside each figure stands what is claimed, what was found, and whether it holds. The verdicts are computed "
-        "from the flights: “very small” and “much smaller” mean a fifth at most, “small” a tenth of the spacing, "
+        "from the trials: “very small” and “much smaller” mean a fifth at most, “small” a tenth of the spacing, "
         "“zero” a hundredth. The distance error is lₑ = lᵣ − l of a robot and its upstream neighbour, the angle error "
         "ψₑ = ψᵣ − ψ (section 2.1).",
-        f"Echelon {release()}, {len(flown)} flights, seed {extent.seed}. The same seed gives the same bytes.{cut}",
+        f"Echelon {release()}, {len(results.signals)} trials, seed {extent.seed}. "
+        f"The same seed gives the same bytes.{cut}",
     )
     return Report(TITLE, lead, (*sections, _files(sections)))
 

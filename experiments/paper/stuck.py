@@ -1,18 +1,20 @@
-"""A robot that stands still for four seconds: what each controller makes of it (docs/theory.md, section 6)."""
+"""A robot that stands still for four seconds: how the formation fares (docs/theory.md, section 6)."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.metrics import settled
-from experiments.paper.chapters import Chapter, Extent, controllers
+from experiments.metrics import recovery
+from experiments.paper.chapters import IN_FORMATION, Chapter, Extent, controller, controllers
 from experiments.paper.claims import mm
-from experiments.report.figures import EVERY, FLOOR, Line, over_time
+from experiments.report.figures import EVERY, FLOOR, Curve, over_time
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.style import GREY, SKY, colour
 from experiments.report.table import Cell, Table
-from experiments.trials.trial import Trial, TrialResult
+from experiments.trials.result import Signals
+from experiments.trials.trial import Trial
+from formation.scenario.overrides import Overrides, merged
 
 AT, UNTIL = 20.0, 24.0
 """When the robot stands still [s]."""
@@ -28,42 +30,42 @@ VARIANTS = {FRESH: (SKY, "--"), HURRIED: (GREY, "-.")}
 LINKS = {"on time": 0.0, "0.5 s late": LATE}
 
 
-def _contenders() -> dict[str, tuple[str, ...]]:
-    """Settings by what the report calls them."""
-    found: dict[str, tuple[str, ...]] = {name: (f"controller.name={name}",) for name in controllers()}
-    found[FRESH] = ("controller.name=nash", "controller.age_plans=false")
-    found[HURRIED] = ("controller.name=nash", "controller.waits=false")
+def _contenders() -> dict[str, Overrides]:
+    """Overrides by what the report calls them."""
+    found = {name: controller(name) for name in controllers()}
+    found[FRESH] = merged(controller("nash"), {"controller": {"age_plans": False}})
+    found[HURRIED] = merged(controller("nash"), {"controller": {"waits": False}})
     return found
 
 
-def _orders(extent: Extent) -> Sequence[Trial]:
-    stuck = f"disturbances=[{{robot = 2, at = {AT}, until = {UNTIL}, drive = 0.0}}]"
+def _trials(extent: Extent) -> Sequence[Trial]:
+    stuck = {"disturbances": [{"robot": 2, "at": AT, "until": UNTIL, "drive": 0.0}]}
     return [
-        extent.order(
+        extent.trial(
             f"stuck/{name}/{link}",
             "triangle-circle",
-            "duration=50",
+            {"duration": 50},
             stuck,
-            f"link.latency={latency}",
-            *settings,
-            in_formation=True,
+            {"link": {"latency": latency}},
+            overrides,
+            IN_FORMATION,
         )
-        for name, settings in _contenders().items()
+        for name, overrides in _contenders().items()
         for link, latency in LINKS.items()
     ]
 
 
-def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Section]:
+def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Section]:
     del extent
-    found = {(name, link): flown[f"stuck/{name}/{link}"] for name in _contenders() for link in LINKS}
+    found = {(name, link): signals[f"stuck/{name}/{link}"] for name in _contenders() for link in LINKS}
     return [
         Section(
             "stuck",
             "A robot that cannot keep up",
             (
                 f"The triangle on the circle; robot 2 stands still from {AT:g} to {UNTIL:g} s, although "
-                "its wheels are told to turn. No noise, a start in formation. Here messages matter: the others "
-                "can only wait for a robot that they hear of.",
+                "it is commanded to drive. No noise, a start in formation. Here messages matter: the others "
+                "can only wait for a robot whose plans they receive.",
                 Picture(
                     "stuck",
                     _drawn(found),
@@ -72,22 +74,22 @@ def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Sect
                 ),
                 table(found),
                 verdict(found),
-                bought(found),
+                worth_of_messages(found),
             ),
         )
     ]
 
 
-def _drawn(found: Mapping[tuple[str, str], TrialResult]) -> Figure:
+def _drawn(found: Mapping[tuple[str, str], Signals]) -> Figure:
     panels = []
     for link in LINKS:
         lines = []
         for name in _contenders():
-            flight = found[name, link]
-            rows = slice(flight.after(AT - 5.0).start, flight.after(UNTIL + 20.0).stop, EVERY)
-            worst = np.maximum(np.abs(flight.distance[rows]).max(axis=1) * 1e3, FLOOR)
+            trial = found[name, link]
+            rows = slice(trial.after(AT - 5.0).start, trial.after(UNTIL + 20.0).stop, EVERY)
+            worst = np.maximum(np.abs(trial.distance[rows]).max(axis=1) * 1e3, FLOOR)
             ink, style = VARIANTS.get(name) or (colour(name), "-")
-            lines.append(Line(name, flight.times[rows], worst, ink, style))
+            lines.append(Curve(name, trial.times[rows], worst, ink, style))
         panels.append((f"plans {link}", "worst $|l_e|$ [mm]", lines))
     drawn = over_time(panels, len(panels), log=range(len(panels)), share=True, height=3.0)
     for axes in drawn.axes:
@@ -95,17 +97,15 @@ def _drawn(found: Mapping[tuple[str, str], TrialResult]) -> Figure:
     return drawn
 
 
-def measure(flight: TrialResult) -> tuple[float, float | None, float | None]:
+def measure(trial: Signals) -> tuple[float, float | None, float | None]:
     """Worst |l_e| from `AT` on [m]; seconds from `UNTIL` until all are small for good; until the path is caught up."""
-    rows = flight.after(AT)
-    size = np.abs(flight.distance[rows]).max(axis=1)
-    since = flight.after(UNTIL)
-    again = settled(flight.times[since], np.abs(flight.distance[since]).max(axis=1), SMALL, UNTIL)
-    path = settled(flight.times[since], flight.tracking[since], CAUGHT_UP, UNTIL)
-    return float(size.max()), again, path
+    size = np.abs(trial.distance).max(axis=1)
+    again = recovery(trial.times, size, below=SMALL, since=UNTIL)
+    path = recovery(trial.times, trial.tracking, below=CAUGHT_UP, since=UNTIL)
+    return float(size[trial.after(AT)].max()), again, path
 
 
-def table(found: Mapping[tuple[str, str], TrialResult]) -> Table:
+def table(found: Mapping[tuple[str, str], Signals]) -> Table:
     """A row per controller, its measures with plans on time and late."""
     rows: list[tuple[Cell, ...]] = []
     for name in dict.fromkeys(name for name, _ in found):
@@ -118,28 +118,28 @@ def table(found: Mapping[tuple[str, str], TrialResult]) -> Table:
     return Table(
         "stuck",
         f"Seconds count from the release; in formation: all |lₑ| ≤ {SMALL * 1e3:g} mm, on the path: centre within "
-        f"{CAUGHT_UP * 1e3:g} mm, both to the end of the flight",
+        f"{CAUGHT_UP * 1e3:g} mm, both to the end of the trial",
         ("controller", *(f"{link}: {head}" for link in LINKS for head in heads)),
         tuple(rows),
     )
 
 
-def bought(found: Mapping[tuple[str, str], TrialResult]) -> str:
-    """What messages buy here, and what ageing them does, in the numbers of this flight."""
+def worth_of_messages(found: Mapping[tuple[str, str], Signals]) -> str:
+    """What messages are worth here, and what ageing them does, in the numbers of these trials."""
     waits, alone, own, fresh = (
         [mm(measure(found[name, link])[0]) for link in LINKS] for name in ("nash", HURRIED, "virtual_structure", FRESH)
     )
     return (
-        f"What messages buy: the others wait. `nash` keeps the worst error at {waits[0]} with plans on time and "
-        f"{waits[1]} with plans {LATE:g} s late, against {own[0]} of robots that hear nothing (`virtual_structure`). "
-        f"Robots that hear of the neighbour's place but do not wait gain little ({alone[0]}): the path does not wait, "
-        f"and each leans on its own slot. Ageing the plans changes little here ({fresh[0]} and {fresh[1]} when they "
-        "are taken as if fresh): how far a robot is behind is said in its plan, and outlives it. What ageing buys "
-        "shows under noise, [below](#late-and-lost): the centre stays on the path."
+        f"What messages are worth: the others wait. `nash` keeps the worst error at {waits[0]} with plans on time and "
+        f"{waits[1]} with plans {LATE:g} s late, against {own[0]} of robots without messages (`virtual_structure`). "
+        f"Robots that know the neighbour's place but do not wait gain little ({alone[0]}): the path does not wait, "
+        f"and each follows its own slot. Ageing the plans changes little here ({fresh[0]} and {fresh[1]} when they "
+        "are taken as if fresh): a plan also carries how far its robot is behind, which is of use even when the "
+        "plan is old. The effect of ageing shows under noise, [below](#late-and-lost): the centre stays on the path."
     )
 
 
-def verdict(found: Mapping[tuple[str, str], TrialResult]) -> Verdict:
+def verdict(found: Mapping[tuple[str, str], Signals]) -> Verdict:
     """What this project claims of `nash` with a stuck robot."""
     worst, again, path = measure(found["nash", "on time"])
     late, again_late, path_late = measure(found["nash", "0.5 s late"])
@@ -161,4 +161,4 @@ def verdict(found: Mapping[tuple[str, str], TrialResult]) -> Verdict:
     )
 
 
-CHAPTER = Chapter(_orders, _sections)
+CHAPTER = Chapter(_trials, _sections)

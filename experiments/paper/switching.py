@@ -1,28 +1,26 @@
-"""Formations that change their shape while they fly: do the robots keep clear of each other?"""
+"""Formations that change their shape while they drive: do the robots keep clear of each other?"""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from experiments.metrics import rms
-from experiments.paper.chapters import Chapter, Extent
-from experiments.paper.noisy import FLIGHT, NOISE
+from experiments.paper.chapters import IN_FORMATION, Chapter, Extent
+from experiments.paper.noisy import NASH, NOISE
 from experiments.report.figures import trajectories
 from experiments.report.report import Picture, Section, Verdict, grade
 from experiments.report.table import Cell, Table, shown
-from experiments.trials.trial import Trial, TrialResult
-from formation.metrics import clearance
+from experiments.trials.result import Signals
+from experiments.trials.trial import Trial
+from formation.metrics import clearance, rms
 from formation.scenario import files
+from formation.scenario.overrides import Overrides
 
-CASES = {
+CASES: dict[str, tuple[str, list[Overrides]]] = {
     "triangle, line, triangle": (
         "triangle-circle",
-        'formation.changes=[{ at = 8, shape = "line", robots = 3 }, { at = 24, shape = "triangle" }]',
+        [{"at": 8, "shape": "line", "robots": 3}, {"at": 24, "shape": "triangle"}],
     ),
-    "square, column": (
-        "square-figure8",
-        'formation.changes=[{ at = 8, shape = "column", robots = 4 }]',
-    ),
+    "square, column": ("square-figure8", [{"at": 8, "shape": "column", "robots": 4}]),
 }
 """Scenario and changes of its formation."""
 LATENCIES = (0.0, 0.3, 0.5)
@@ -31,35 +29,34 @@ CLEAR = 0.4
 """No two robots come closer than this share of the spacing."""
 
 
-def _key(case: str, latency: float, seed: int) -> str:
+def _name(case: str, latency: float, seed: int) -> str:
     return f"switching/{case}/{latency}/{seed}"
 
 
-def _orders(extent: Extent) -> Sequence[Trial]:
+def _trials(extent: Extent) -> Sequence[Trial]:
     return [
-        extent.order(
-            _key(case, latency, seed),
-            task,
-            *NOISE,
-            *FLIGHT,
-            change,
-            f"link.latency={latency}",
-            in_formation=True,
+        extent.trial(
+            _name(case, latency, seed),
+            scenario,
+            NOISE,
+            NASH,
+            {"formation": {"changes": changes}, "link": {"latency": latency}},
+            IN_FORMATION,
             seed=seed,
         )
-        for case, (task, change) in CASES.items()
+        for case, (scenario, changes) in CASES.items()
         for latency in LATENCIES
         for seed in range(extent.seeds)
     ]
 
 
-def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Section]:
+def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Section]:
     found = {
-        (case, latency): [flown[_key(case, latency, seed)] for seed in range(extent.seeds)]
+        (case, latency): [signals[_name(case, latency, seed)] for seed in range(extent.seeds)]
         for case in CASES
         for latency in LATENCIES
     }
-    spacing = {case: files.load(task).spacing for case, (task, _) in CASES.items()}
+    spacing = {case: files.load(scenario).spacing for case, (scenario, _) in CASES.items()}
     return [
         Section(
             "switching",
@@ -82,12 +79,12 @@ def _sections(extent: Extent, flown: Mapping[str, TrialResult]) -> Sequence[Sect
     ]
 
 
-def table(found: Mapping[tuple[str, float], Sequence[TrialResult]], spacing: Mapping[str, float]) -> Table:
+def table(found: Mapping[tuple[str, float], Sequence[Signals]], spacing: Mapping[str, float]) -> Table:
     """A row for each case and latency."""
     rows: list[tuple[Cell, ...]] = []
-    for (case, latency), flights in found.items():
-        least = min(clearance(flight.poses) for flight in flights)
-        ends = [rms(flight.distance[flight.after(flight.times[-1] - 5.0)]) for flight in flights]
+    for (case, latency), trials in found.items():
+        least = min(clearance(trial.poses) for trial in trials)
+        ends = [rms(trial.distance[trial.after(trial.times[-1] - 5.0)]) for trial in trials]
         rows.append((case, latency, least * 1e3, least / spacing[case], float(np.mean(ends)) * 1e3))
     heads = ("change", "latency s", "least clearance mm", "in spacings", "RMS lₑ at the end mm")
     return Table(
@@ -95,11 +92,9 @@ def table(found: Mapping[tuple[str, float], Sequence[TrialResult]], spacing: Map
     )
 
 
-def verdict(found: Mapping[tuple[str, float], Sequence[TrialResult]], spacing: Mapping[str, float]) -> Verdict:
+def verdict(found: Mapping[tuple[str, float], Sequence[Signals]], spacing: Mapping[str, float]) -> Verdict:
     """What this project claims of `nash` with changes of shape."""
-    least = {
-        key: min(clearance(flight.poses) for flight in flights) / spacing[key[0]] for key, flights in found.items()
-    }
+    least = {key: min(clearance(trial.poses) for trial in trials) / spacing[key[0]] for key, trials in found.items()}
     worst = min(least, key=least.__getitem__)
     return Verdict(
         f"This project: while the shape changes no two robots come closer than {CLEAR:g} of the spacing, with plans "
@@ -110,4 +105,4 @@ def verdict(found: Mapping[tuple[str, float], Sequence[TrialResult]], spacing: M
     )
 
 
-CHAPTER = Chapter(_orders, _sections)
+CHAPTER = Chapter(_trials, _sections)

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from experiments.metrics import Spread
 from experiments.report.style import BLACK, GREY, MARKERS, PALETTE, colour, figure
-from experiments.trials.trial import TrialResult
+from experiments.trials.result import Signals
 
 EVERY = 10
 """Ticks between two points of a drawn line: 0.1 s, finer than print shows."""
@@ -23,7 +23,7 @@ MILLI = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class Curve:
     """A line of a plot over time."""
 
     label: str
@@ -34,7 +34,7 @@ class Line:
 
 
 def over_time(
-    panels: Sequence[tuple[str, str, Sequence[Line]]],
+    panels: Sequence[tuple[str, str, Sequence[Curve]]],
     columns: int,
     *,
     log: Sequence[int] = (),
@@ -73,9 +73,9 @@ def over_time(
 
 
 def trajectories(
-    panels: Sequence[tuple[str, TrialResult]],
+    panels: Sequence[tuple[str, Signals]],
     every: float,
-    follower: TrialResult | None = None,
+    follower: Signals | None = None,
     *,
     zoom: tuple[float, float, float, float] | None = None,
     height: float = 4.0,
@@ -83,21 +83,21 @@ def trajectories(
     """Where the robots and the formation's centre went, as figs. 3, 8 and 10 show it.
 
     Args:
-        panels: title and flight.
+        panels: title and signals.
         every: a marker stands at every so many seconds.
-        follower: a leader-follower flight, whose follower is drawn as a dashed line (fig. 3).
-        zoom: least and greatest x, least and greatest y of a second panel for each flight [m].
+        follower: a trial of leader-follower, whose follower is drawn as a dashed line (fig. 3).
+        zoom: least and greatest x, least and greatest y of a second panel for each trial [m].
         height: [inch].
     """
     drawn = figure(height)
-    views = [(title, flown, part) for title, flown in panels for part in ([None, zoom] if zoom else [None])]
+    views = [(title, trial, part) for title, trial in panels for part in ([None, zoom] if zoom else [None])]
     grid = drawn.subplots(1, len(views), sharex=not zoom, sharey=not zoom, squeeze=False)
-    for axes, (title, flown, part) in zip(grid.flat, views, strict=True):
-        axes.plot(*flown.centre[::EVERY].T, color=GREY, linewidth=3.5, alpha=0.35, label="reference path")
-        rows = np.searchsorted(flown.times, np.arange(0.0, flown.times[-1] + 1e-9, every) - 1e-9)
-        for robot in range(flown.poses.shape[1]):
-            _track(axes, flown.poses[:, robot, :2], rows, f"robot {robot + 1}", PALETTE[robot], MARKERS[robot])
-        middle = flown.poses[..., :2].mean(axis=1)
+    for axes, (title, trial, part) in zip(grid.flat, views, strict=True):
+        axes.plot(*trial.centre[::EVERY].T, color=GREY, linewidth=3.5, alpha=0.35, label="reference path")
+        rows = np.searchsorted(trial.times, np.arange(0.0, trial.times[-1] + 1e-9, every) - 1e-9)
+        for robot in range(trial.poses.shape[1]):
+            _track(axes, trial.poses[:, robot, :2], rows, f"robot {robot + 1}", PALETTE[robot], MARKERS[robot])
+        middle = trial.poses[..., :2].mean(axis=1)
         axes.plot(*middle[rows].T, ".", color=BLACK, markersize=3.5, label="formation centre")
         if follower is not None:
             path = follower.poses[::EVERY, -1, :2]
@@ -194,13 +194,13 @@ def bands(panels: Sequence[tuple[str, str, Sequence[tuple[str, str, np.ndarray, 
     return drawn
 
 
-def error_lines(flown: TrialResult, *, size: bool = False) -> list[Line]:
+def error_lines(trial: Signals, *, size: bool = False) -> list[Curve]:
     """l_e of every robot [mm], as figs. 9 and 11 show it; `size` for the absolute value, cut off below."""
-    values = flown.distance[::EVERY] * MILLI
+    values = trial.distance[::EVERY] * MILLI
     if size:
         values = np.maximum(np.abs(values), FLOOR)
     styles = ("-", "--", "-.", ":")
     return [
-        Line(f"robot {i + 1} to {(i - 1) % values.shape[1] + 1}", flown.times[::EVERY], row, PALETTE[i], styles[i % 4])
+        Curve(f"robot {i + 1} to {(i - 1) % values.shape[1] + 1}", trial.times[::EVERY], row, PALETTE[i], styles[i % 4])
         for i, row in enumerate(values.T)
     ]

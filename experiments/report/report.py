@@ -78,7 +78,7 @@ class Report:
 
 
 def unjudged(section: Section) -> Section:
-    """The section without a judgement: for flights that are too short to tell."""
+    """The section without a judgement: for trials that are too short to tell."""
     blocks = (replace(block, outcome="not judged") if isinstance(block, Verdict) else block for block in section.blocks)
     return replace(section, blocks=tuple(blocks))
 

@@ -1,6 +1,6 @@
 """How every figure of this project looks, and how it is saved.
 
-Palette, fonts, a footer that says seed and version; files are the same to the last byte whenever they are drawn
+Palette, fonts, a footer with seed and version; files are the same to the last byte whenever they are drawn
 from the same numbers.
 """
 
@@ -110,7 +110,7 @@ def save(drawn: Figure, stem: Path, note: str = "") -> list[Path]:
     Args:
         drawn: made by `figure` inside `styled()`; `save` is called there too.
         stem: path without suffix; its folder exists.
-        note: what the footer says before the version, such as "triangle-circle, seeds 0 to 9".
+        note: text of the footer before the version, such as "triangle-circle, seeds 0 to 9".
 
     Returns:
         The two files.

@@ -1,9 +1,8 @@
-"""Tables of results as CSV, Markdown, HTML and JSON: the same numbers give the same bytes."""
+"""Tables of results as CSV, Markdown and JSON: the same numbers give the same bytes."""
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from html import escape
 from typing import Any
 
 Cell = str | float | int | bool | None
@@ -11,7 +10,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def shown(value: Cell) -> str:
-    """A cell for people: three significant digits, words for yes and no, a dash for nothing."""
+    """A cell as text: three significant digits, words for yes and no, a dash for nothing."""
     match value:
         case None:
             return "–"
@@ -48,28 +47,17 @@ class Table:
 
     def markdown(self) -> str:
         """A pipe table; numbers stand right."""
-        rule = ["---:" if right else "---" for right in self._right()]
+        rule = ["---:" if right else "---" for right in self.numeric]
         rows = [_bars(self.heads), rule, *(_bars(map(shown, row)) for row in self.rows)]
         return "\n".join(f"| {' | '.join(row)} |" for row in rows)
-
-    def html(self) -> str:
-        """A table element; what is in a cell is text, never markup."""
-        right = self._right()
-        lines = [f"<table><caption>{escape(self.caption)}</caption>", "<thead><tr>"]
-        lines += [f"<th{_class(r)}>{escape(head)}</th>" for head, r in zip(self.heads, right, strict=True)]
-        lines.append("</tr></thead><tbody>")
-        for row in self.rows:
-            cells = (f"<td{_class(r)}>{escape(shown(cell))}</td>" for cell, r in zip(row, right, strict=True))
-            lines.append(f"<tr>{''.join(cells)}</tr>")
-        lines.append("</tbody></table>")
-        return "\n".join(lines)
 
     def json(self) -> dict[str, Any]:
         """What `--json` prints of it; numbers that are not finite become null."""
         rows = [[None if isinstance(c, float) and not math.isfinite(c) else c for c in row] for row in self.rows]
         return {"caption": self.caption, "columns": list(self.heads), "rows": rows}
 
-    def _right(self) -> list[bool]:
+    @property
+    def numeric(self) -> list[bool]:
         """Per column, whether it holds a number."""
         columns = zip(*self.rows, strict=True)
         numbers = [any(isinstance(c, int | float) and not isinstance(c, bool) for c in column) for column in columns]
@@ -79,10 +67,6 @@ class Table:
 def _bars(cells: Iterable[str]) -> list[str]:
     """A bar in a cell would end it."""
     return [cell.replace("|", r"\|") for cell in cells]
-
-
-def _class(right: bool) -> str:
-    return ' class="number"' if right else ""
 
 
 def _csv(cell: Cell) -> str:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from experiments.study.outcomes import MEASURES
 from experiments.study.study import Bound, Study, Value
 from experiments.study.table import Row
+from experiments.trials.measures import MEASURES
 from formation.arrays import FloatArray
 
 CONFIDENCE = 0.95
@@ -51,24 +51,24 @@ _OVER_SEEDS: dict[str, Callable[[FloatArray], float]] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:
-    """All flights of one point of the grid, as far as one measure goes."""
+    """All trials of one point of the grid, as far as one measure goes."""
 
     cell: dict[str, Value]
     """Column and label: the scenario and every axis."""
     measure: str
-    flights: int
+    trials: int
     values: FloatArray
-    """What was measured; fewer than flights where some have nothing to tell."""
+    """What was measured; fewer than trials where some have no value."""
     ratios: FloatArray
-    """To the flight of the same seed at the baseline; empty without one."""
+    """To the trial of the same seed at the baseline; empty without one."""
 
     @property
     def missing(self) -> int:
-        """Flights with nothing to tell, such as those that did not recover."""
-        return self.flights - len(self.values)
+        """Trials without a value, such as those that did not recover."""
+        return self.trials - len(self.values)
 
     def statistic(self, name: str) -> float:
-        """mean, median, min, max or ratio; infinite if a flight has nothing to tell, NaN if there is none."""
+        """mean, median, min, max or ratio; infinite if a trial has no value, NaN if there is none."""
         if self.missing:
             return math.inf
         values = self.ratios if name == "ratio" else self.values
@@ -96,7 +96,7 @@ def groups(study: Study, table: Sequence[Row]) -> list[Group]:
     return found
 
 
-SUMMARY = ("measure", "unit", "flights", "missing", "mean", "low", "high", "median", "max")
+SUMMARY = ("measure", "unit", "trials", "missing", "mean", "low", "high", "median", "max")
 NOTHING: Row = {"median": None, "max": None}
 RATIOS = ("ratio", "ratio_low", "ratio_high")
 
@@ -108,7 +108,7 @@ def summary(study: Study, found: Sequence[Group]) -> tuple[list[Row], list[str]]
         over = interval(group.values)
         row: Row = dict(group.cell)
         row |= {"measure": group.measure, "unit": MEASURES[group.measure].unit}
-        row |= {"flights": group.flights, "missing": group.missing}
+        row |= {"trials": group.trials, "missing": group.missing}
         row |= dict(zip(("mean", "low", "high"), _three(over), strict=True))
         row |= {"median": float(np.median(group.values)), "max": float(group.values.max())} if over else NOTHING
         row |= dict(zip(RATIOS, _three(interval(group.ratios)), strict=True))
@@ -121,32 +121,32 @@ def _three(over: Interval | None) -> tuple[float | None, float | None, float | N
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class BoundCheck:
     """A bound, and what was found."""
 
     bound: Bound
     cell: dict[str, Value]
     """Where it was worst."""
     found: float
-    """Infinite if a flight had nothing to tell."""
+    """Infinite if a trial had no value."""
 
     @property
     def holds(self) -> bool:
         return math.isfinite(self.found) and self.bound.excess(self.found) <= 0.0
 
 
-def _excess(verdict: Verdict) -> float:
-    return verdict.bound.excess(verdict.found) if math.isfinite(verdict.found) else math.inf
+def _excess(check: BoundCheck) -> float:
+    return check.bound.excess(check.found) if math.isfinite(check.found) else math.inf
 
 
-def verdicts(study: Study, found: Sequence[Group]) -> list[Verdict]:
+def check_bounds(study: Study, found: Sequence[Group]) -> list[BoundCheck]:
     """Every bound of the study at the point of the grid where it is worst."""
-    told = []
+    checks = []
     for bound in study.bounds:
         here = [
-            Verdict(bound, group.cell, group.statistic(bound.statistic))
+            BoundCheck(bound, group.cell, group.statistic(bound.statistic))
             for group in found
             if group.measure == bound.measure and all(group.cell[k] == v for k, v in bound.where.items())
         ]
-        told.append(max(here, key=_excess))
-    return told
+        checks.append(max(here, key=_excess))
+    return checks

@@ -1,30 +1,29 @@
-"""Study files: a grid of flights, what is measured of them, and how it is shown (`studies/*.toml`)."""
+"""Study files: a grid of trials, what is measured of them, and how it is shown (`studies/*.toml`)."""
 
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path as File
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, StrictBool, StrictInt, ValidationError, model_validator
 
-from experiments.study.outcomes import MEASURES, Event
+from experiments.trials.measures import MEASURES, Event
 from formation.errors import StudyError, unknown
+from formation.scenario.overrides import Overrides, at_path, merged, paths
 from formation.schema import Duration, Model
 from formation.validation import problems
 
 Value = StrictBool | StrictInt | FiniteFloat | str
 """One value of an axis, as it stands in the table."""
-Setting = Annotated[str, Field(pattern=r"^[^=]+=")]
-"""key=value, as for `--set`."""
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 
-RESERVED = ("flight", "scenario", "seed", "trajectory_sha256", *MEASURES)
+RESERVED = ("trial", "scenario", "seed", "trajectory_sha256", *MEASURES)
 """Columns that every table has, or may have, besides the axes."""
-MAX_FLIGHTS = 1_000_000
+MAX_TRIALS = 1_000_000
 
 
 class Axis(Model):
-    """One dimension of the grid and one column of the table: a key's values, or named choices of settings."""
+    """One dimension of the grid and one column of the table: a key's values, or named choices of overrides."""
 
     name: Name
     """Of the column."""
@@ -33,8 +32,8 @@ class Axis(Model):
     key: Annotated[str, Field(min_length=1)] | None = None
     """The scenario's key that takes the values, such as link.latency."""
     values: Annotated[list[Value], Field(min_length=1)] | None = None
-    choices: Annotated[dict[str, list[Setting]], Field(min_length=1)] | None = None
-    """What each name stands for: settings such as controller.age_plans=false."""
+    choices: Annotated[dict[str, dict[str, Any]], Field(min_length=1)] | None = None
+    """What each name stands for: overrides such as { controller.age_plans = false }."""
 
     @model_validator(mode="after")
     def _one_way(self) -> "Axis":
@@ -48,7 +47,7 @@ class Axis(Model):
 
     @property
     def labels(self) -> list[Value]:
-        """What the column of the table says, in the order of the grid."""
+        """The values of its column, in the order of the grid."""
         return list(self.values or ()) if self.choices is None else list(self.choices)
 
     @property
@@ -56,24 +55,17 @@ class Axis(Model):
         """Whether the labels are numbers, and a figure may draw a line over them."""
         return all(isinstance(label, int | float) and not isinstance(label, bool) for label in self.labels)
 
-    def settings(self, label: Value) -> list[str]:
-        """key=value settings that a label stands for."""
-        return [f"{self.key}={toml(label)}"] if self.choices is None else list(self.choices[str(label)])
+    def overrides(self, label: Value) -> Overrides:
+        """What a label stands for."""
+        return at_path(str(self.key), label) if self.choices is None else self.choices[str(label)]
 
     def set_keys(self) -> set[str]:
-        """Keys of the scenario that this axis sets."""
-        return {setting.partition("=")[0].strip() for label in self.labels for setting in self.settings(label)}
+        """Paths of the scenario's keys that this axis sets."""
+        return {path for label in self.labels for path in paths(self.overrides(label))}
 
 
-def toml(value: Value) -> str:
-    """A value as TOML."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"' if isinstance(value, str) else repr(value)
-
-
-class Figure(Model):
-    """One picture of the table."""
+class FigureSpec(Model):
+    """One figure of the study, drawn from its table."""
 
     name: Name
     """Of its files."""
@@ -90,7 +82,7 @@ class Figure(Model):
     by: str | None = None
     """The axis whose labels become lines (bands, recovery)."""
     panels: str | None = None
-    """The axis whose labels become pictures side by side."""
+    """The axis whose labels become panels side by side."""
     ratio: bool = False
     """Draw the paired ratio to the baseline instead of the measure."""
     only: dict[str, list[Value]] = Field(default_factory=dict)
@@ -107,7 +99,7 @@ class Bound(Model):
     """Labels of axes; every combination of the others has to keep the bound."""
     measure: str
     statistic: Literal["mean", "median", "min", "max", "ratio"] = "mean"
-    """Over the seeds; min, max: every flight. ratio: mean of the paired ratios to the baseline."""
+    """Over the seeds; min, max: every trial. ratio: mean of the paired ratios to the baseline."""
     at_most: FiniteFloat | None = None
     at_least: FiniteFloat | None = None
     """One of both, in the measure's unit."""
@@ -136,18 +128,18 @@ class Study(Model):
     """What it asks, in a sentence."""
     scenarios: Annotated[list[str], Field(min_length=1)]
     """Names, or TOML files (from the study's own folder)."""
-    settings: tuple[Setting, ...] = ()
-    """key=value, as for `--set`: what differs from the scenario in every flight."""
+    overrides: dict[str, Any] = Field(default_factory=dict)
+    """What differs from the scenario in every trial, as the scenario's own tables."""
     axes: tuple[Axis, ...] = ()
-    seeds: Annotated[int, Field(ge=1, le=MAX_FLIGHTS)] = 10
+    seeds: Annotated[int, Field(ge=1, le=MAX_TRIALS)] = 10
     """Seeds 0, 1, ... so many: every point of the grid meets all of them."""
     warmup: Duration = 0.0
     """Measures start at this simulated time [s]."""
     measures: Annotated[list[str], Field(min_length=1)]
     event: Event | None = None
     baseline: dict[str, Value] = Field(default_factory=dict)
-    """Labels of axes: every flight is compared with that of the same seed there."""
-    figures: tuple[Figure, ...] = ()
+    """Labels of axes: every trial is compared with that of the same seed there."""
+    figures: tuple[FigureSpec, ...] = ()
     bounds: tuple[Bound, ...] = ()
 
     @model_validator(mode="after")
@@ -176,8 +168,8 @@ class Study(Model):
         for index, name in enumerate(names):
             if name in names[:index]:
                 yield f"axes[{index}].name: expected a name of its own; got {name!r} again"
-        if self.flights > MAX_FLIGHTS:
-            yield f"axes: expected at most {MAX_FLIGHTS} flights; got {self.flights}"
+        if self.trials > MAX_TRIALS:
+            yield f"axes: expected at most {MAX_TRIALS} trials; got {self.trials}"
         for index, drawn in enumerate(self.figures):
             needed = {"bands": ("value", "x"), "surface": ("value", "x", "y"), "recovery": ()}[drawn.kind]
             for key in needed:
@@ -216,7 +208,7 @@ class Study(Model):
         return {"scenario": scenarios} | {axis.name: axis.labels for axis in self.axes}
 
     @property
-    def flights(self) -> int:
+    def trials(self) -> int:
         """Size of the grid."""
         count = len(self.scenarios) * self.seeds
         for axis in self.axes:
@@ -225,7 +217,7 @@ class Study(Model):
 
     @property
     def keeps_series(self) -> bool:
-        """Whether the level over time is kept of every flight."""
+        """Whether the level over time is kept of every trial."""
         return any(drawn.kind == "recovery" for drawn in self.figures)
 
 
@@ -237,13 +229,13 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
-def load(name: str, *, seeds: int | None = None, settings: Sequence[str] = ()) -> Study:
+def load(name: str, *, seeds: int | None = None, overrides: Overrides | None = None) -> Study:
     """A study by its name or its TOML file.
 
     Args:
         name: which one.
-        seeds: fly so many instead of its own number.
-        settings: key=value, put after the study's own; an axis of the study may not be overruled.
+        seeds: so many instead of its own number.
+        overrides: put on top of the study's own; those of its axes cannot be replaced.
 
     Raises:
         StudyError: it does not exist or is wrong; one line per mistake.
@@ -259,12 +251,11 @@ def load(name: str, *, seeds: int | None = None, settings: Sequence[str] = ()) -
         raise StudyError(f"{name}: expected TOML; {error}") from None
     study = parse(raw, where=name)
     scenarios = [str(file.parent.resolve() / s) if s.endswith(".toml") else s for s in study.scenarios]
-    changes: dict[str, Any] = {"scenarios": scenarios, "settings": (*study.settings, *settings)}
-    for setting in settings:
-        key = setting.partition("=")[0].strip()
+    for path in paths(overrides or {}):
         for axis in study.axes:
-            if key in axis.set_keys():
-                raise StudyError(f"--set {key}: expected a key that no axis sets; {axis.name} does")
+            if path in axis.set_keys():
+                raise StudyError(f"--set {path}: expected a key that no axis sets; {axis.name} does")
+    changes: dict[str, Any] = {"scenarios": scenarios, "overrides": merged(study.overrides, overrides or {})}
     return study.model_copy(update=changes | ({} if seeds is None else {"seeds": seeds}))
 
 
@@ -274,6 +265,8 @@ def parse(raw: dict[str, Any], *, where: str = "study") -> Study:
     Raises:
         StudyError: one line per mistake.
     """
+    if "settings" in raw:
+        raise StudyError(f"{where}: settings: expected overrides, a table such as overrides = {{ duration = 60 }}")
     try:
         return Study.model_validate(raw)
     except ValidationError as error:

@@ -1,26 +1,26 @@
-"""Tidy tables: one row a flight, in grid order, the same bytes whoever flew and however often interrupted."""
+"""Tidy tables: one row a trial, in grid order, the same bytes on any number of workers and after any interruption."""
 
 import csv
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from experiments.study.flights import Result
-from experiments.study.grid import Job
 from experiments.study.study import Study, Value
+from experiments.trials.result import TrialResult
+from experiments.trials.trial import Trial
 from formation.errors import StudyError
 
 Cell = Value | None
 Row = dict[str, Cell]
 
 
-def rows(study: Study, jobs: Sequence[Job], results: Sequence[Result]) -> list[Row]:
-    """One row a flight: its number, where it stands in the grid, its seed, what was measured."""
+def rows(study: Study, trials: Sequence[Trial], results: Sequence[TrialResult]) -> list[Row]:
+    """One row a trial: its number, where it stands in the grid, its seed, what was measured."""
     return [
-        {"flight": job.index, **dict(job.cell), "seed": job.seed}
-        | {name: result.figures[name] for name in study.measures}
+        {"trial": index, **trial.labels, "seed": trial.seed}
+        | {name: result.values[name] for name in study.measures}
         | {"trajectory_sha256": result.trajectory_sha256}
-        for job, result in zip(jobs, results, strict=True)
+        for index, (trial, result) in enumerate(zip(trials, results, strict=True))
     ]
 
 
@@ -28,7 +28,7 @@ def types(study: Study) -> dict[str, str]:
     """Columns of `rows` and their types in SQL."""
     axes = {axis.name: _type(axis.labels) for axis in study.axes}
     measures = dict.fromkeys(study.measures, "DOUBLE")
-    return {"flight": "BIGINT", "scenario": "VARCHAR", **axes, "seed": "BIGINT", **measures} | {
+    return {"trial": "BIGINT", "scenario": "VARCHAR", **axes, "seed": "BIGINT", **measures} | {
         "trajectory_sha256": "VARCHAR"
     }
 

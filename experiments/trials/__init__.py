@@ -1,1 +1,1 @@
-"""One trial: a scenario with overrides and a seed, simulated; and many of them on all cores."""
+"""Trials: a scenario with overrides and a seed, simulated and measured; many of them on all cores or a cluster."""

@@ -1,173 +1,104 @@
-"""Many flights on several cores: what is flown, what is kept of it, and the pool that flies it."""
+"""One trial: a scenario, overrides, a seed, and what is measured of it, all as data."""
 
-import multiprocessing
-import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
-from typing import Self, TypeVar
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
-import numpy as np
-
-from formation.arrays import FloatArray
+from experiments.trials.code_version import check_code_version, code_version
+from experiments.trials.measures import Event
 from formation.scenario import files
+from formation.scenario.overrides import Overrides, merged
 from formation.scenario.scenario import Scenario
 
-Job = TypeVar("Job")
-Done = TypeVar("Done")
+Label = bool | int | float | str
+"""One value of an axis, as it stands in a table."""
+SERIES_INTERVAL = 0.1
+"""Between the samples of the level that are kept [s]."""
 GAP_EVERY = 10
 """Ticks from one sample of the Nash gap to the next: 10 Hz at the paper's control interval."""
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
-    """One flight to be flown."""
+class Measurement:
+    """What is measured of a trial, and what else is kept of it."""
 
-    key: str
-    """What the report calls it; unique."""
-    scenario: str
-    """Name of a shipped scenario, or a TOML file."""
-    settings: tuple[str, ...] = ()
-    """Changes to it, `key=value`."""
-    in_formation: bool = False
-    """Start in formation, whatever start poses the scenario has."""
+    measures: tuple[str, ...] = ()
+    """Names in MEASURES (experiments/trials/measures.py)."""
+    warmup: float = 0.0
+    """Measures start at this simulated time [s]."""
+    event: Event | None = None
+    """What upsets the formation, if anything does."""
+    series: bool = False
+    """Keep the level over time."""
+    signals: bool = False
+    """Keep poses, inputs and errors of every tick."""
     gap: bool = False
-    """Sample the Nash gap along the flight."""
-    limit: float | None = None
-    """Where the flight is cut if it is longer [s]."""
+    """Sample the Nash gap; needs `signals`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One simulation, complete: it needs no file of the machine that runs it."""
+
+    name: str
+    """What reports and errors call it."""
+    scenario: Mapping[str, Any]
+    """The keys that the scenario's file and the overrides set, as nested data; the seed is apart."""
+    seed: int
+    """Of noise and faults."""
+    measurement: Measurement
+    cost: int
+    """Control intervals times robots: how long it takes, by and large."""
+    labels: Mapping[str, Label] = field(default_factory=dict)
+    """Its point in a grid, by column: the scenario and every axis."""
+    code: str = field(default_factory=code_version)
+    """`code_version()` of who asks."""
+
+    @property
+    def key(self) -> str:
+        """Names the result: the same scenario, measured the same way by the same code."""
+        event = self.measurement.event
+        measurement = {**asdict(self.measurement), "event": event and event.model_dump()}
+        named = [self.scenario, self.seed, measurement, self.code]
+        return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
     def load(self) -> Scenario:
-        """The scenario that is flown. Raises ScenarioError."""
-        raw = files.read(self.scenario)
-        if self.in_formation:
-            raw.get("robots", {}).pop("poses", None)
-        made = files.parse(raw, self.settings, where=self.key)
-        if self.limit is None or made.duration <= self.limit:
-            return made
-        return files.parse(raw, (*self.settings, f"duration={self.limit!r}"), where=self.key)
+        """The scenario that is simulated. Raises ScenarioError."""
+        return files.parse(self.scenario, {"seed": self.seed}, where=self.name)
 
+    def run(self) -> dict[str, Any]:
+        """Simulate and measure, in this process; the result as plain data (experiments/trials/result.py).
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TrialResult:
-    """What is kept of a flight; T ticks, n robots."""
-
-    key: str
-    times: FloatArray
-    """(T + 1,) [s]."""
-    poses: FloatArray
-    """(T + 1, n, 3) [m, m, rad]."""
-    inputs: FloatArray
-    """(T, n, 2) [m/s, rad/s]."""
-    centre: FloatArray
-    """(T + 1, 2) the reference p_r, where the formation's centre should be [m]."""
-    distance: FloatArray
-    """(T + 1, n) l_e [m]."""
-    angle: FloatArray
-    """(T + 1, n) psi_e [rad]."""
-    tracking: FloatArray
-    """(T + 1,) distance of the robots' mean position to p_r [m]."""
-    gaps: FloatArray
-    """(G, n) Nash gap; G = 0 unless it was ordered."""
-
-    def after(self, start: float, stop: float = np.inf) -> slice:
-        """Rows of `times` from `start` to `stop` [s]; of a flight cut before `start`, the last row."""
-        first, last = np.searchsorted(self.times, (start - 1e-9, stop + 1e-9)).tolist()
-        first = min(first, len(self.times) - 1)
-        return slice(first, max(last, first + 1))
-
-
-def simulate(order: Trial) -> TrialResult:
-    """Fly one order, in this process. Raises ScenarioError."""
-    from runtime.inprocess import Simulation  # noqa: PLC0415  loads the kernels: only who flies needs them
-
-    task = order.load()
-    flight = Simulation(task)
-    gaps = []
-    while not flight.finished:
-        k = flight.world.k
-        flight.step()
-        if order.gap and k % GAP_EVERY == 0:
-            stamp = k * task.control_interval
-            gaps.append([agent.status(k, stamp).gap for _, agent in sorted(flight.agents.items())])
-    trace = flight.trace
-    distance, angle, tracking = trace.errors()
-    return TrialResult(
-        order.key,
-        trace.times,
-        trace.poses,
-        trace.inputs,
-        task.reference().centre(trace.times),
-        distance,
-        angle,
-        tracking,
-        np.array(gaps).reshape(-1, task.size),
-    )
-
-
-class WorkerPool:
-    """Processes that work for this one; with a single worker, this process itself."""
-
-    def __init__(self, workers: int | None = None) -> None:
-        """A crew that has not begun.
-
-        Args:
-            workers: how many; by default one for each core that this process may use.
+        Raises:
+            EchelonError: the scenario is wrong, or this machine has other code than who asks.
         """
-        workers = workers or len(os.sched_getaffinity(0))
-        # Forking is no choice: a progress bar has a thread.
-        spawn = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(workers, mp_context=spawn) if workers > 1 else None
+        from experiments.trials.simulate import simulate  # noqa: PLC0415  loads the kernels: only workers need them
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._pool:
-            self._pool.shutdown(cancel_futures=True)
-
-    def map(
-        self, work: Callable[[Job], Done], jobs: Iterable[Job], progress: Callable[[int, int], None] = lambda *_: None
-    ) -> list[Done]:
-        """What `work` makes of each job, in their order; it does not depend on the number of workers.
-
-        Args:
-            work: a function that other processes can import.
-            jobs: what it is called with.
-            progress: called with the number of jobs that are done, and of all.
-        """
-        jobs = list(jobs)
-        progress(0, len(jobs))
-        if self._pool is None:
-            return [_told(work(job), progress, done + 1, len(jobs)) for done, job in enumerate(jobs)]
-        futures = [self._pool.submit(work, job) for job in jobs]
-        for done, future in enumerate(as_completed(futures)):
-            _told(future.result(), progress, done + 1, len(jobs))
-        return [future.result() for future in futures]
+        check_code_version(self.code)
+        return simulate(self).plain()
 
 
-def _told(result: Done, progress: Callable[[int, int], None], done: int, of: int) -> Done:
-    progress(done, of)
-    return result
-
-
-def simulate_all(
-    orders: Sequence[Trial], crew: WorkerPool, progress: Callable[[int, int], None] = lambda *_: None
-) -> dict[str, TrialResult]:
-    """Fly every order.
+def trial(
+    name: str, scenario: str, overrides: Overrides, seed: int, measurement: Measurement, *, limit: float | None = None
+) -> Trial:
+    """A trial of a scenario by its name or file.
 
     Args:
-        orders: with keys that differ.
-        crew: who flies.
-        progress: called with the number of flights that are done, and of all.
-
-    Returns:
-        What was flown, by key.
+        name: what reports and errors call it.
+        scenario: which scenario.
+        overrides: what differs from it, as nested data.
+        seed: of noise and faults.
+        measurement: what is kept.
+        limit: where a longer scenario is cut [s].
 
     Raises:
-        ScenarioError: an order cannot be flown; nothing has then been flown.
+        ScenarioError: the scenario does not exist or is wrong; one line per mistake.
     """
-    if len({order.key for order in orders}) != len(orders):
-        raise ValueError("two orders have the same key")
-    for order in orders:
-        order.load()
-    return {flown.key: flown for flown in crew.map(simulate, orders, progress)}
+    loaded = files.load(scenario, overrides)
+    if limit is not None and limit < loaded.duration:
+        loaded = files.load(scenario, merged(overrides, {"duration": limit}))
+    # A fault tells which keys it changes by setting them: what is not set stays out.
+    table = loaded.model_dump(mode="json", exclude_unset=True)
+    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size)

@@ -144,7 +144,7 @@ def test_erratum_27_the_mean_of_two_wrapped_headings_can_point_back() -> None:
     assert mended < 1e-12
 
 
-def test_the_ring_of_the_readings_is_the_flight_of_the_product() -> None:
+def test_the_ring_of_the_readings_is_the_product() -> None:
     """Its default wording is the scenario triangle-circle with controller `paper`, pose by pose."""
     settings = ["controller.name=paper", "duration=3"]
     ring, scenario = Ring(Wording()), load("triangle-circle", settings)
@@ -165,28 +165,30 @@ def test_the_map_of_the_ring_does_not_depend_on_the_time() -> None:
         np.testing.assert_allclose(later, ring.advance(0, state), atol=1e-9)
 
 
-def test_the_table_flies_only_what_a_controller_feels(monkeypatch: Any) -> None:
-    flown: list[errata.Job] = []
-
-    def rms(job: errata.Job) -> float:
-        flown.append(job)
-        return float(len(flown))
-
-    monkeypatch.setattr(errata, "rms_mm", rms)
-    done: list[float] = []
-    table = errata.errata_table(done.append)
+def test_only_what_affects_a_controller_is_simulated() -> None:
+    trials = errata.trials()
+    names = [trial.name for trial in trials]
+    assert len(set(names)) == len(names)
+    rms_mm = {name: float(place) for place, name in enumerate(names)}
+    table = errata.errata_table(rms_mm)
     assert [row.number for row in table] == [entry.number for entry in ENTRIES]
-    assert len(flown) == len(set(flown)) == len(done)
-    assert done[-1] == 1.0
     for row, entry in zip(table, ENTRIES, strict=True):
-        assert (row.effect_mm is None) == (not entry.flights)
-        assert row.effect_mm is not None or row.note, "what no controller feels says why"
+        assert set(row.effect_mm or {}) == set(entry.cases)
+        assert row.effect_mm is not None or row.note, "what affects no controller says why"
         assert "{" not in row.evidence
+    assert {value for row in table for pair in (row.effect_mm or {}).values() for value in pair} == set(rms_mm.values())
+
+
+def test_an_erratum_is_what_its_two_trials_differ_in() -> None:
+    mended = {trial.name: trial.load().controller.model_dump()["errata"] for trial in errata.trials()}
+    assert mended["errata/circle/as printed"] == ()
+    assert mended["errata/circle/{'controller': {'errata': [4]}}"] == (4,)
 
 
 @pytest.mark.parametrize("name", ["orientation kept, mended", "errata 1 to 5"])
 def test_of_the_third_tests_readings_only_those_that_keep_the_orientation_stay_together(name: Any) -> None:
-    reading = readings.read(*next(entry for entry in readings.quick() if entry[0] == name))
+    trial = next(trial for trial in readings.quick() if trial.title == name)
+    reading = readings.reading_of(trial, trial.run())
     assert reading.bounded == name.startswith("orientation kept")
     assert len(reading.rms_mm) == 12
     assert reading.spectral_radius == pytest.approx(1.02, abs=0.03)  # nearly neutral: neither pulled together nor apart

@@ -1,4 +1,4 @@
-"""Verdicts follow the numbers: each claim of the report, judged on made-up flights."""
+"""Verdicts follow the numbers: each claim of the report, judged on made-up signals."""
 
 from typing import Any
 
@@ -8,16 +8,16 @@ import pytest
 from experiments.paper import claims, noisy, stuck
 from experiments.paper.bounds import bounds
 from experiments.report.report import grade
-from experiments.trials.trial import TrialResult
+from experiments.trials.result import Signals
 from formation.arrays import FloatArray
 
 PATHS = ("figure8", "circle", "sinusoid", "spiral")
 
 
-def flown(
+def made_up(
     distance: Any = 0.0, angle: Any = 0.0, tracking: Any = 0.0, inputs: Any = None, seconds: float = 100.0
-) -> TrialResult:
-    """A flight at 10 Hz of two robots with these errors, constants or functions of time."""
+) -> Signals:
+    """Signals at 10 Hz of two robots with these errors, constants or functions of time."""
     times = np.linspace(0.0, seconds, round(seconds * 10) + 1)
 
     def signal(what: Any) -> FloatArray:
@@ -26,9 +26,7 @@ def flown(
     pair = [np.column_stack([signal(what)] * 2) for what in (distance, angle)]
     moves = np.zeros((len(times) - 1, 2, 2)) if inputs is None else np.broadcast_to(inputs, (len(times) - 1, 2, 2))
     none = np.zeros((0, 2))
-    return TrialResult(
-        "made-up", times, np.zeros((len(times), 2, 3)), moves, none, pair[0], pair[1], signal(tracking), none
-    )
+    return Signals(times, np.zeros((len(times), 2, 3)), moves, none, pair[0], pair[1], signal(tracking), none)
 
 
 def wave(size: float) -> Any:
@@ -47,8 +45,8 @@ def test_a_grade_is_what_its_parts_are() -> None:
     ("paper", "outcome"), [((0.001, 0.001), "holds"), ((0.001, 0.1), "holds in part"), ((0.1, 0.1), "does not hold")]
 )
 def test_errors_are_small_beside_a_follower_that_errs_more(paper: Any, outcome: Any) -> None:
-    flights = {"leader_follower": flown(0.05, 0.05), "paper": flown(*paper), "nash": flown()}
-    assert claims.follower_errs(flights).outcome == outcome
+    trials = {"leader_follower": made_up(0.05, 0.05), "paper": made_up(*paper), "nash": made_up()}
+    assert claims.follower_errs(trials).outcome == outcome
 
 
 @pytest.mark.parametrize(
@@ -56,13 +54,13 @@ def test_errors_are_small_beside_a_follower_that_errs_more(paper: Any, outcome: 
 )
 def test_an_objective_is_optimal_if_nobody_does_much_better(paper: Any, outcome: Any) -> None:
     distance, tracking = paper
-    flights = {"paper": flown(distance, 0.0, tracking), "nash": flown(1e-4, 0.0, 1e-4)}
-    assert claims.both_objectives(flights).outcome == outcome
+    trials = {"paper": made_up(distance, 0.0, tracking), "nash": made_up(1e-4, 0.0, 1e-4)}
+    assert claims.both_objectives(trials).outcome == outcome
 
 
 def test_the_outer_robot_of_a_left_turn_is_the_right_one() -> None:
-    left = flown(inputs=[[0.2, 0.1], [0.1, 0.1]])
-    right = flown(inputs=[[0.2, -0.1], [0.1, -0.1]])
+    left = made_up(inputs=[[0.2, 0.1], [0.1, 0.1]])
+    right = made_up(inputs=[[0.2, -0.1], [0.1, -0.1]])
     assert claims.outer_is_faster(left) == 1.0
     assert claims.outer_is_faster(right) == 0.0
     assert claims.turns({"paper": left, "nash": left}).outcome == "holds"
@@ -73,10 +71,10 @@ def test_the_outer_robot_of_a_left_turn_is_the_right_one() -> None:
 @pytest.mark.parametrize("what", ["distance", "angle"])
 def test_boxes_are_smaller_if_medians_and_quartiles_are(what: Any, size: Any, outcome: Any) -> None:
     paths = {
-        p: {"leader_follower": flown(wave(0.05), wave(0.05)), "paper": flown(wave(size), wave(size))} for p in PATHS
+        p: {"leader_follower": made_up(wave(0.05), wave(0.05)), "paper": made_up(wave(size), wave(size))} for p in PATHS
     }
     assert claims.boxes_smaller(paths, what).outcome == outcome
-    paths["spiral"] = {name: flown(wave(0.05), wave(0.05)) for name in ("leader_follower", "paper")}
+    paths["spiral"] = {name: made_up(wave(0.05), wave(0.05)) for name in ("leader_follower", "paper")}
     assert claims.boxes_smaller(paths, what).outcome == ("holds in part" if outcome == "holds" else outcome)
 
 
@@ -84,16 +82,16 @@ def test_boxes_are_smaller_if_medians_and_quartiles_are(what: Any, size: Any, ou
     ("peak", "end", "outcome"), [(0.005, 0.0, "holds"), (0.05, 0.0, "holds in part"), (0.05, 0.02, "does not hold")]
 )
 def test_a_corner_is_a_small_deviation_that_goes_away(peak: Any, end: Any, outcome: Any) -> None:
-    flight = flown(lambda t: np.where((t > 20) & (t < 30), peak, end))
-    assert claims.corner_recovers(flight, 0.1, 20.0).outcome == outcome
+    trial = made_up(lambda t: np.where((t > 20) & (t < 30), peak, end))
+    assert claims.corner_recovers(trial, 0.1, 20.0).outcome == outcome
 
 
 @pytest.mark.parametrize(
     ("peak", "until", "outcome"), [(0.009, 29.0, "holds"), (0.02, 29.0, "holds in part"), (0.02, 31.0, "does not hold")]
 )
 def test_the_corner_is_beaten_within_its_bounds(peak: Any, until: Any, outcome: Any) -> None:
-    flight = flown(lambda t: np.where((t > 20) & (t < until), peak, 1e-6))
-    assert claims.corner_beaten(flight, 20.0).outcome == outcome
+    trial = made_up(lambda t: np.where((t > 20) & (t < until), peak, 1e-6))
+    assert claims.corner_beaten(trial, 20.0).outcome == outcome
 
 
 @pytest.mark.parametrize(
@@ -105,7 +103,7 @@ def test_the_corner_is_beaten_within_its_bounds(peak: Any, until: Any, outcome: 
     ],
 )
 def test_errors_that_grow_are_not_bounded(error: Any, outcome: Any) -> None:
-    assert claims.circle_bounded(flown(error), 0.1).outcome == outcome
+    assert claims.circle_bounded(made_up(error), 0.1).outcome == outcome
 
 
 @pytest.mark.parametrize(
@@ -119,8 +117,8 @@ def test_errors_that_grow_are_not_bounded(error: Any, outcome: Any) -> None:
     ],
 )
 def test_nash_keeps_its_bounds_or_not(median: Any, peak: Any, best: Any, outcome: Any) -> None:
-    flight = flown(lambda t: np.where(t < 1.0, peak, median))
-    table, verdict = bounds({path: {"nash": flight, "centralised": flown(best)} for path in PATHS})
+    trial = made_up(lambda t: np.where(t < 1.0, peak, median))
+    table, verdict = bounds({path: {"nash": trial, "centralised": made_up(best)} for path in PATHS})
     assert verdict.outcome == outcome
     assert [row[0] for row in table.rows] == list(PATHS)
     assert table.rows[0][1] == pytest.approx(median * 1e3)
@@ -128,23 +126,23 @@ def test_nash_keeps_its_bounds_or_not(median: Any, peak: Any, best: Any, outcome
 
 
 def test_the_centralised_optimum_counts_only_where_it_is_visible() -> None:
-    nash = flown(wave(4e-5))
-    near = bounds({"circle": {"nash": nash, "centralised": flown(1e-5)}})[0]
+    nash = made_up(wave(4e-5))
+    near = bounds({"circle": {"nash": nash, "centralised": made_up(1e-5)}})[0]
     assert near.rows[0][-1] is None  # 0.01 mm: below what is compared
-    far = bounds({"circle": {"nash": nash, "centralised": flown(6e-5)}})[0]
+    far = bounds({"circle": {"nash": nash, "centralised": made_up(6e-5)}})[0]
     assert far.rows[0][-1] == pytest.approx(4 / 6 / np.sqrt(2), rel=0.01)
 
 
-def hold(worst: float, until: float, path: float = 0.0) -> TrialResult:
-    return flown(lambda t: np.where((t > 20) & (t < until), worst, 0.0), 0.0, path, seconds=60.0)
+def hold(worst: float, until: float, path: float = 0.0) -> Signals:
+    return made_up(lambda t: np.where((t > 20) & (t < until), worst, 0.0), 0.0, path, seconds=60.0)
 
 
 @pytest.mark.parametrize(
-    ("flight", "outcome"),
+    ("trial", "outcome"),
     [(hold(0.02, 27.0), "holds"), (hold(0.02, 29.0), "holds in part"), (hold(0.06, 61.0, 0.1), "does not hold")],
 )
-def test_a_stuck_robot_is_judged_by_size_and_time(flight: Any, outcome: Any) -> None:
-    assert stuck.verdict({("nash", link): flight for link in stuck.LINKS}).outcome == outcome
+def test_a_stuck_robot_is_judged_by_size_and_time(trial: Any, outcome: Any) -> None:
+    assert stuck.verdict({("nash", link): trial for link in stuck.LINKS}).outcome == outcome
 
 
 def test_a_formation_that_never_comes_back_is_called_so() -> None:

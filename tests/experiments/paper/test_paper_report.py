@@ -2,30 +2,51 @@
 
 import json
 import re
+import signal
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from cli.main import main
 from experiments.paper import noisy, paper
 from experiments.paper.chapters import Extent
+from experiments.report.html import inline
 from experiments.report.report import Report
-from experiments.trials.trial import WorkerPool, simulate_all
+from experiments.trials.batch import Place, run_batch
+from experiments.trials.journal import NAME
+from experiments.trials.trial import Trial
 from formation.errors import EchelonError
+from tests.experiments.killing import dask_cluster, kill_after, start
 
 EXTENT = Extent(seeds=1, limit=1.5)
 FIGURES = range(3, 12)
 """Of the paper's section 4."""
 
 
-def written(folder: Path) -> Report:
-    return paper.write(paper.folder(str(folder)), EXTENT, lambda *_: None, workers=1)
+def nothing(*_: Any) -> None:
+    """No progress."""
+
+
+def written(folder: Path, *, workers: int | None = 1, cluster: str | None = None) -> Report:
+    place = Place(paper.folder(str(folder)), workers, cluster)
+    return paper.write(EXTENT, place, tell=nothing, trials=nothing, figures=nothing)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {str(f.relative_to(folder)): f.read_bytes() for f in sorted(folder.rglob("*")) if f.is_file()}
+    """Everything of the report; the journal's lines stand in the order in which trials ended."""
+    files = (f for f in sorted(folder.rglob("*")) if f.is_file() and f.name != NAME)
+    return {str(f.relative_to(folder)): f.read_bytes() for f in files}
+
+
+def assert_same(one: Path, other: Path) -> None:
+    first, second = contents(one), contents(other)
+    assert first.keys() == second.keys()
+    assert not [name for name in first if first[name] != second[name]]
+
+
+def trials_of(extent: Extent) -> list[Trial]:
+    return [trial for chapter in paper.CHAPTERS for trial in chapter.trials(extent)]
 
 
 @pytest.fixture(scope="module")
@@ -36,27 +57,50 @@ def made(tmp_path_factory: Any) -> tuple[Path, Report]:
 
 def test_the_same_seed_gives_the_same_bytes_in_every_file(made: Any, tmp_path: Any) -> None:
     folder, _ = made
-    written(tmp_path / "again")
-    first, second = contents(folder), contents(tmp_path / "again")
-    assert first.keys() == second.keys()
-    assert not [name for name in first if first[name] != second[name]]
+    written(tmp_path / "again", workers=2)
+    assert_same(folder, tmp_path / "again")
 
 
-def test_the_number_of_workers_changes_nothing() -> None:
-    orders = [order for chapter in paper.CHAPTERS for order in chapter.orders(EXTENT)][:3]
-    with WorkerPool(1) as alone, WorkerPool(2) as several:
-        first, second = simulate_all(orders, alone), simulate_all(orders, several)
-    assert list(first) == list(second) == [order.key for order in orders]
-    assert all(np.array_equal(first[key].poses, second[key].poses) for key in first)
+def test_a_finished_report_is_written_again_without_a_simulation(made: Any, tmp_path: Any) -> None:
+    folder, _ = made
+    paper.folder(str(tmp_path / "again"))
+    (tmp_path / "again" / NAME).write_bytes((folder / NAME).read_bytes())
+    fresh: list[bool] = []
+    place = Place(tmp_path / "again", 1)
+    paper.write(EXTENT, place, tell=nothing, trials=lambda *told: fresh.append(told[-1]), figures=nothing)
+    assert fresh
+    assert not any(fresh)
+    assert_same(folder, tmp_path / "again")
 
 
-def test_another_seed_gives_other_noise() -> None:
-    with WorkerPool(1) as crew:
-        flights = [
-            simulate_all(noisy.CHAPTER.orders(Extent(seed=seed, seeds=1, limit=0.5))[:1], crew) for seed in (0, 5)
-        ]
-    (first,), (second,) = (list(flown.values()) for flown in flights)
-    assert not np.array_equal(first.poses, second.poses)
+ARGUMENTS = ["paper", "--seeds", "1", "--duration", "1500ms", "--json"]
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT])
+def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(made: Any, tmp_path: Any, end: Any) -> None:
+    arguments = [*ARGUMENTS, "--out", str(tmp_path), "--workers", "2"]
+    kill_after(arguments, tmp_path, 2, end)
+    assert (tmp_path / NAME).read_bytes().count(b"\n") < len(trials_of(EXTENT))
+    second = start(arguments)
+    out, err = second.communicate(timeout=200)
+    assert second.returncode == 0, err
+    assert f" of {len(trials_of(EXTENT))} trials are in " in err
+    assert json.loads(out)["verdicts"]
+    assert_same(tmp_path, made[0])
+
+
+@pytest.mark.processes
+def test_a_dask_cluster_of_real_processes_gives_the_same_report(made: Any, tmp_path: Any) -> None:
+    with dask_cluster(tmp_path) as address:
+        written(tmp_path / "far", workers=None, cluster=address)
+    assert_same(tmp_path / "far", made[0])
+
+
+def test_another_seed_gives_other_noise(tmp_path: Any) -> None:
+    trials = [noisy.CHAPTER.trials(Extent(seed=seed, seeds=1, limit=0.5))[0] for seed in (0, 5)]
+    first, second = run_batch(trials, Place(tmp_path, 1), tell=nothing, progress=nothing)
+    assert first["trajectory_sha256"] != second["trajectory_sha256"]
 
 
 def test_every_figure_of_section_4_is_there_as_png_and_svg(made: Any) -> None:
@@ -73,7 +117,7 @@ def test_every_picture_and_table_is_in_both_forms_of_the_report(made: Any) -> No
     page, text = (folder / "report.html").read_text("utf-8"), (folder / "report.md").read_text("utf-8")
     assert page.count("<img ") == len(report.pictures()) == text.count("![")
     for table in report.tables():
-        assert table.html() in page
+        assert f"<caption>{inline(table.caption)}</caption>" in page
         assert table.markdown() in text
         assert (folder / "tables" / f"{table.name}.csv").read_text("utf-8") == table.csv()
     for section, verdict in report.verdicts():
@@ -99,7 +143,7 @@ def test_every_link_leads_to_a_place_on_the_page(made: Any) -> None:
     assert set(re.findall(r'href="#([^"]+)"', page)) <= set(anchors)
 
 
-def test_flights_that_are_cut_judge_no_claim(made: Any) -> None:
+def test_trials_that_are_cut_judge_no_claim(made: Any) -> None:
     _, report = made
     verdicts = report.verdicts()
     assert len(verdicts) > 10
@@ -119,17 +163,17 @@ def test_no_table_holds_a_time_that_was_measured_by_a_clock(made: Any) -> None:
     assert not [head for head in heads if "solve" in head or "wall" in head]
 
 
-def test_each_order_has_a_key_of_its_own_and_can_be_flown() -> None:
-    orders = [order for chapter in paper.CHAPTERS for order in chapter.orders(Extent())]
-    assert len({order.key for order in orders}) == len(orders)
-    assert all(order.load().seed == 0 for order in orders if not order.key.startswith(("noisy/", "switching/")))
+def test_each_trial_has_a_name_of_its_own_and_the_first_seed() -> None:
+    trials = trials_of(Extent())
+    assert len({trial.name for trial in trials}) == len(trials)
+    assert all(trial.load().seed == 0 for trial in trials if not trial.name.startswith(("noisy/", "switching/")))
 
 
 def test_json_is_one_object_with_every_table(made: Any, tmp_path: Any, monkeypatch: Any, capsys: Any) -> None:
     _, report = made
     asked: list[Extent] = []
 
-    def write(_out: Path, extent: Extent, *_: Any) -> Report:
+    def write(extent: Extent, *_: Any, **__: Any) -> Report:
         asked.append(extent)
         return report  # type: ignore[no-any-return]
 

@@ -1,4 +1,4 @@
-"""Figures of studies: every wish becomes a PNG and an SVG, the same from the same numbers, with what was asked for."""
+"""Figures of studies: a PNG and an SVG of each, the same from the same numbers, with what was asked for."""
 
 # mypy: disable-error-code="no-any-return"
 
@@ -12,13 +12,15 @@ import pytest
 from experiments.report import style
 from experiments.study import panels
 from experiments.study.figures import draw
-from experiments.study.flights import SERIES_INTERVAL, Result
-from experiments.study.grid import Job, jobs
+from experiments.study.grid import trials
 from experiments.study.intervals import groups
-from experiments.study.outcomes import MEASURES
 from experiments.study.panels import bands, recovery, surface
 from experiments.study.study import Study, Value, parse
 from experiments.study.table import rows
+from experiments.trials.measures import MEASURES
+from experiments.trials.result import TrialResult
+from experiments.trials.trial import SERIES_INTERVAL, Trial
+from formation.arrays import FloatArray
 
 CONTROLLERS: list[Value] = ["nash", "paper", "a third"]
 
@@ -28,13 +30,13 @@ def study(*figures: dict[str, Any]) -> Study:
         {
             "name": "drawn",
             "scenarios": ["circle"],
-            "settings": ["duration=4"],
+            "overrides": {"duration": 4},
             "seeds": 4,
             "warmup": 1,
             "measures": ["distance_rms_m", "recovery_s"],
             "event": {"at": 2, "until": 3, "below": 0.002},
             "axes": [
-                {"name": "who", "choices": {str(name): [f"seed={k}"] for k, name in enumerate(CONTROLLERS)}},
+                {"name": "who", "choices": {str(name): {"seed": k} for k, name in enumerate(CONTROLLERS)}},
                 {"name": "late", "key": "link.latency", "values": [0.0, 0.5, 1.0], "unit": "s"},
             ],
             "baseline": {"late": 0.0},
@@ -43,15 +45,15 @@ def study(*figures: dict[str, Any]) -> Study:
     )
 
 
-def flown(of: Study) -> tuple[list[Job], list[Result]]:
+def made_up(of: Study) -> tuple[list[Trial], list[TrialResult]]:
     """Made-up results: (1 + place of the controller) x (1 + latency) mm, give or take a seed."""
-    found, results = jobs(of), []
-    for job in found:
-        cell = dict(job.cell)
-        size = 1e-3 * (1 + CONTROLLERS.index(cell["who"])) * (1.0 + float(cell["late"])) * (1.0 + 0.01 * job.seed)
+    found, results = trials(of), []
+    for trial in found:
+        cell = trial.labels
+        size = 1e-3 * (1 + CONTROLLERS.index(cell["who"])) * (1.0 + float(cell["late"])) * (1.0 + 0.01 * trial.seed)
         after = None if cell["who"] == "paper" else size
-        series = tuple(size * (1.0 + k) for k in range(31))
-        results.append(Result(job.key, {"distance_rms_m": size, "recovery_s": after}, "", series))
+        series: FloatArray = size * np.arange(1.0, 32.0)
+        results.append(TrialResult({"distance_rms_m": size, "recovery_s": after}, "", series))
     return found, results
 
 
@@ -65,9 +67,9 @@ def panel() -> Any:
     return style.figure(3.0).subplots()
 
 
-def test_every_wish_is_drawn_twice_and_to_the_same_bytes(tmp_path: Any) -> None:
+def test_every_figure_is_drawn_twice_and_to_the_same_bytes(tmp_path: Any) -> None:
     of = study(BANDS, SURFACE, RECOVERY)
-    found, results = flown(of)
+    found, results = made_up(of)
     folders = [tmp_path / "one", tmp_path / "other"]
     for folder in folders:
         folder.mkdir()
@@ -81,7 +83,7 @@ def test_every_wish_is_drawn_twice_and_to_the_same_bytes(tmp_path: Any) -> None:
 
 def test_lines_are_means_over_seeds_in_millimetres() -> None:
     of = study(BANDS)
-    found, results = flown(of)
+    found, results = made_up(of)
     axes = panel()
     handles = bands(axes, of, of.figures[0], groups(of, rows(of, found, results)), None, CONTROLLERS)
     assert list(handles) == CONTROLLERS
@@ -97,7 +99,7 @@ def test_lines_are_means_over_seeds_in_millimetres() -> None:
 
 def test_ratios_are_paired_with_the_baseline_and_have_no_unit() -> None:
     of = study(BANDS | {"ratio": True, "log": False, "only": {"who": ["paper"]}})
-    found, results = flown(of)
+    found, results = made_up(of)
     axes = panel()
     handles = bands(axes, of, of.figures[0], groups(of, rows(of, found, results)), None, ["paper"])
     np.testing.assert_allclose(handles["paper"].get_ydata(), [1.0, 1.5, 2.0])
@@ -106,14 +108,14 @@ def test_ratios_are_paired_with_the_baseline_and_have_no_unit() -> None:
 
 def test_where_nobody_recovered_there_is_no_point() -> None:
     of = study(SPARSE)
-    found, results = flown(of)
+    found, results = made_up(of)
     handles = bands(panel(), of, of.figures[0], groups(of, rows(of, found, results)), None, [0.0])
     np.testing.assert_allclose(handles["0.0"].get_xdata(), [0.0, 2.0])  # of nash, (paper), a third
 
 
 def test_a_surface_is_the_mean_at_each_point_and_says_its_numbers() -> None:
     of = study(SURFACE)
-    found, results = flown(of)
+    found, results = made_up(of)
     axes = panel()
     image = surface(axes, of, of.figures[0], groups(of, rows(of, found, results)), None)
     np.testing.assert_allclose(image.get_array(), 1.015 * np.outer([1, 2, 3], [1.0, 1.5, 2.0]))
@@ -124,7 +126,7 @@ def test_a_surface_is_the_mean_at_each_point_and_says_its_numbers() -> None:
 
 def test_recovery_is_drawn_over_simulated_time_with_its_event_and_threshold() -> None:
     of = study(RECOVERY)
-    found, results = flown(of)
+    found, results = made_up(of)
     axes = panel()
     handles = recovery(axes, of, of.figures[0], found, results, 0.5, CONTROLLERS)
     line = handles["nash"]
@@ -136,8 +138,8 @@ def test_recovery_is_drawn_over_simulated_time_with_its_event_and_threshold() ->
     assert axes.get_xlabel() == "t [s]"
 
 
-@pytest.mark.parametrize("wish", [BANDS, SURFACE, RECOVERY])
-def test_the_footer_says_study_seeds_and_version(wish: Any, tmp_path: Any, monkeypatch: Any) -> None:
+@pytest.mark.parametrize("spec", [BANDS, SURFACE, RECOVERY])
+def test_the_footer_says_study_seeds_and_version(spec: Any, tmp_path: Any, monkeypatch: Any) -> None:
     notes: list[str] = []
 
     def save(drawn: Any, stem: Path, note: str) -> list[Path]:
@@ -146,8 +148,8 @@ def test_the_footer_says_study_seeds_and_version(wish: Any, tmp_path: Any, monke
         return []
 
     monkeypatch.setattr(style, "save", save)
-    of = study(wish)
-    found, results = flown(of)
+    of = study(spec)
+    found, results = made_up(of)
     draw(of, found, results, rows(of, found, results), tmp_path)
     (note,) = notes
     assert re.match("study drawn, seeds 0 to 3", note)
@@ -163,6 +165,6 @@ def test_drawing_leaves_matplotlibs_settings_as_they_were(tmp_path: Path) -> Non
 
     before = dict(mpl.rcParams)
     of = study(BANDS)
-    found, results = flown(of)
+    found, results = made_up(of)
     draw(of, found, results, rows(of, found, results), tmp_path)
     assert dict(mpl.rcParams) == before

@@ -1,0 +1,157 @@
+"""What can be measured of one trial, by name."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import model_validator
+
+from experiments.metrics import recovery, trailing_rms
+from formation.arrays import FloatArray
+from formation.links import LinkId
+from formation.metrics import clearance, quantile, rms
+from formation.scenario.scenario import Scenario
+from formation.schema import Duration, Model, Positive
+from network.messages import LinkCounts
+from world.trace import Trace
+
+
+class Event(Model):
+    """Something that upsets the formation for a while, and when the formation counts as recovered from it.
+
+    The level is the RMS of l_e over the last `window` seconds, of the robot that is worst off at that moment.
+    """
+
+    at: Duration
+    """When it begins [s]."""
+    until: Duration
+    """When it is over, and the time to recover begins [s]."""
+    below: Positive | None = None
+    """Recovered when the level is below this [m]."""
+    factor: Positive | None = None
+    """Or below this many times its highest value between the warm-up and `at`."""
+    window: Duration = 0.0
+    """[s]; 0 takes |l_e| as it is. It delays the level, so that no recovery looks faster than it was."""
+    hold: Positive | None = None
+    """How long it has to stay there [s]; to the end of the trial, if absent."""
+
+    @model_validator(mode="after")
+    def _sensible(self) -> "Event":
+        if self.until <= self.at:
+            raise ValueError(f"expected until > at; got until {self.until:g} and at {self.at:g}")
+        if (self.below is None) == (self.factor is None):
+            raise ValueError("expected either below or factor")
+        return self
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Record:
+    """A trial as the measures see it: from the warm-up on."""
+
+    times: FloatArray
+    """(T,) [s]."""
+    poses: FloatArray
+    """(T, n, 3) [m, m, rad]."""
+    distance: FloatArray
+    """(T, n) l_e [m]."""
+    angle: FloatArray
+    """(T, n) psi_e [rad]."""
+    tracking: FloatArray
+    """(T,) distance of the robots' mean position to the path's point [m]."""
+    ages: FloatArray
+    """(T - 1, n) age of the plan that each robot acted on; NaN while there was none [s]."""
+    counts: tuple[LinkCounts, ...]
+    """One per link, of the whole trial."""
+    level: FloatArray
+    """(T,) the level of an `Event`, or |l_e| of the worst robot without one [m]."""
+    event: Event | None
+
+
+def record(
+    scenario: Scenario, trace: Trace, counts: Mapping[LinkId, LinkCounts], warmup: float, event: Event | None
+) -> Record:
+    """The part of a trial that is measured.
+
+    Args:
+        scenario: what was simulated.
+        trace: the whole trial.
+        counts: messages by link.
+        warmup: measures start at this simulated time [s].
+        event: what upsets the formation, if anything does.
+    """
+    first = min(len(trace.times) - 2, round(warmup / scenario.control_interval))
+    distance, angle, tracking = trace.errors()
+    window = max(1, round((event.window if event else 0.0) / scenario.control_interval))
+    return Record(
+        times=trace.times[first:],
+        poses=trace.poses[first:],
+        distance=distance[first:],
+        angle=angle[first:],
+        tracking=tracking[first:],
+        ages=trace.ages[first:],
+        counts=tuple(counts.values()),
+        level=trailing_rms(distance, window)[first:].max(axis=1),
+        event=event,
+    )
+
+
+def _recovery(trial: Record) -> float | None:
+    """From the event's end until the level is below its threshold and stays there [s]."""
+    event = trial.event
+    assert event is not None  # a study without one cannot ask for it
+    below = event.below or 0.0
+    if event.factor is not None:
+        before = trial.level[trial.times < event.at - 1e-9]
+        below = event.factor * float(before.max(initial=0.0))
+    return recovery(trial.times, trial.level, below=below, since=event.until, hold=event.hold)
+
+
+def _event_max(trial: Record) -> float:
+    """The largest |l_e| from the event's beginning on [m]."""
+    assert trial.event is not None
+    return float(np.abs(trial.distance[trial.times >= trial.event.at - 1e-9]).max())
+
+
+def _lost(trial: Record) -> float | None:
+    """Share of the plans sent that were lost, over all links."""
+    sent = sum(c.sent for c in trial.counts)
+    return sum(c.lost for c in trial.counts) / sent if sent else None
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """One number of a trial."""
+
+    of: Callable[[Record], float | None]
+    """None where there is no value, such as a recovery that never came."""
+    unit: str
+    """SI, as in the tables."""
+    label: str
+    """What it is, for the axis of a figure."""
+    of_event: bool = False
+    """Whether it needs an event."""
+
+
+MEASURES: dict[str, Measure] = {
+    "distance_rms_m": Measure(lambda t: float(rms(t.distance, axis=0).max()), "m", "RMS of $l_e$, worst robot"),
+    "distance_max_m": Measure(lambda t: float(np.abs(t.distance).max()), "m", "largest $|l_e|$"),
+    "distance_final_m": Measure(lambda t: float(np.abs(t.distance[-1]).max()), "m", "final $|l_e|$, worst robot"),
+    "angle_rms_rad": Measure(lambda t: float(rms(t.angle, axis=0).max()), "rad", r"RMS of $\psi_e$, worst robot"),
+    "tracking_rms_m": Measure(lambda t: rms(t.tracking), "m", "RMS of centre to path"),
+    "tracking_max_m": Measure(lambda t: float(t.tracking.max()), "m", "largest centre to path"),
+    "tracking_final_m": Measure(lambda t: float(t.tracking[-1]), "m", "final centre to path"),
+    "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least gap of two robots"),
+    "recovery_s": Measure(_recovery, "s", "time to recover", of_event=True),
+    "event_max_m": Measure(_event_max, "m", "largest $|l_e|$ since the event", of_event=True),
+    "age_median_s": Measure(lambda t: quantile(t.ages, 0.5), "s", "median age of the plans used"),
+    "age_max_s": Measure(lambda t: quantile(t.ages, 1.0), "s", "largest age of a plan used"),
+    "lost_share": Measure(_lost, "1", "share of plans lost"),
+}
+"""Everything that a study can measure. Distances are of the worst robot, from the warm-up on."""
+
+
+def measured(names: tuple[str, ...], trial: Record) -> dict[str, float | None]:
+    """The named measures of a trial; None where there is no finite value."""
+    found = {name: MEASURES[name].of(trial) for name in names}
+    return {name: value if value is not None and math.isfinite(value) else None for name, value in found.items()}

@@ -14,8 +14,9 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair import Pair
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
-from agents.estimator import Estimate, Estimator, LatestPose, Measurement, WindowEstimator
+from agents.estimator import Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
+from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
@@ -23,7 +24,8 @@ from formation.pattern import downstream, upstream
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
-from network.messages import Command, LinkCounts, Plan, Status, Tick
+from network.messages import Command, Plan, Status, Tick
+from network.values import LinkCounts
 
 
 @dataclass(frozen=True, slots=True, eq=False)

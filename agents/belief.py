@@ -19,7 +19,8 @@ from formation.links import LinkId
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
-from network.messages import LinkCounts, Plan
+from network.messages import Plan
+from network.values import LinkCounts
 
 
 class Belief:

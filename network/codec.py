@@ -17,8 +17,9 @@ from formation.errors import WireError
 from formation.faults import Fault
 from formation.links import LinkId
 from formation.schema import MAX_SCENARIO
-from network.messages import VERSION, Event, LinkCounts, Message
+from network.messages import VERSION, Message
 from network.topics import MESSAGES
+from network.values import Event, LinkCounts
 
 MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")

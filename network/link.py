@@ -14,7 +14,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
-from network.messages import LinkCounts
+from network.values import LinkCounts
 
 QUEUE_LIMIT = 10
 """Messages that wait for a rate-limited link before further ones are lost."""

@@ -5,12 +5,9 @@ for messages of this one. Robots are numbered from 1. network/codec.py encodes a
 """
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
-
-import numpy as np
+from typing import Any
 
 from formation import links
-from formation.arrays import FloatArray, frozen
 from formation.faults import Fault
 from network.fields import (
     STRICT,
@@ -34,21 +31,12 @@ from network.fields import (
     Text,
     Velocity,
 )
+from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, STILL, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 2
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
-
-Severity = Literal["info", "warning", "error"]
-Mode = Literal["lockstep", "realtime"]
-"""Whether the world waits for every agent at every tick, or steps by the wall clock."""
-
-
-STILL: FloatArray = frozen(np.zeros(2))
-NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
-NO_MEASUREMENTS, NO_NEWS = (frozen(np.zeros((0, columns))) for columns in (9, 4))
-"""Nothing, of each shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,24 +136,6 @@ class Command:
     __pydantic_config__ = STRICT
 
 
-@dataclass(frozen=True, slots=True)
-class LinkCounts:
-    """Message counts of one link so far."""
-
-    sent: Count = 0
-    delivered: Count = 0
-    """Arrived, copies included."""
-    lost: Count = 0
-    late: Count = 0
-    """Dropped because a newer one had arrived before (part of delivered)."""
-    corrupt: Count = 0
-    """Refused because of flipped bytes (part of delivered)."""
-    duplicated: Count = 0
-    """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
-    in_flight: Count = 0
-    __pydantic_config__ = STRICT
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Status:
     """Agent to displays, ten times a second: its plans, its link, its solver."""
@@ -195,22 +165,6 @@ class Status:
     converged: Flag = True
     """As in the Command of the same tick."""
     __pydantic_config__ = STRICT
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """An entry of the run's event log."""
-
-    number: Count
-    stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "wire"]
-    text: Text
-    severity: Severity = "info"
-    """How much it matters; info also when something is well again. Set by who raises the event."""
-    __pydantic_config__ = STRICT
-
-
-RunStatus = Literal["waiting", "running", "paused", "finished"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from network.messages import Command, Ghost, Mode, Plan, Reply, Request, Setup, State, Status, Tick
+from network.messages import Command, Ghost, Plan, Reply, Request, Setup, State, Status, Tick
+from network.values import Mode
 
 Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "each"]
 ROOT = "echelon"

@@ -7,7 +7,8 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.links import LinkId
-from network.messages import NO_PLACES, WORLD, Command, Event, LinkCounts, Plan, State, Status, Tick
+from network.messages import WORLD, Command, Plan, State, Status, Tick
+from network.values import NO_PLACES, Event, LinkCounts
 
 TICK = 0.01
 """Control interval of every shipped scenario [s]."""

@@ -15,7 +15,8 @@ from formation.disturbances import Disturbance
 from formation.faults import Fault
 from formation.scenario.scenario import Limits, Noise, StartNoise
 from network.fields import Count, Inputs, Numbers, Pose, Positive
-from network.messages import Event, LinkCounts, Message
+from network.messages import Message
+from network.values import Event, LinkCounts
 from tests.strategies import of
 
 WHOLE = [*typing.get_args(Message), LinkCounts, Event, Fault]

@@ -10,7 +10,7 @@ from formation.scenario.files import load
 from formation.scenario.overrides import from_json
 from formation.scenario.registry import check_live
 from network.lifetime import Lifetime
-from network.messages import Mode
+from network.values import Mode
 from network.zenoh_bus import ZenohBus
 from world.process import run
 from world.world import World

@@ -5,8 +5,8 @@ from time import monotonic
 from network import topics
 from network.bus import Bus, perform
 from network.lifetime import Lifetime
-from network.messages import Mode
 from network.throttled_log import ThrottledLog
+from network.values import Mode
 from world.node import WorldNode
 from world.world import World
 

@@ -10,7 +10,7 @@ from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
-from network.messages import RunStatus
+from network.values import RunStatus
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World

@@ -10,7 +10,8 @@ from formation.arrays import FloatArray, timeline
 from formation.links import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
-from network.messages import Command, Event, LinkCounts
+from network.messages import Command
+from network.values import Event, LinkCounts
 from world.convergence import Convergence
 
 

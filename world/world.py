@@ -10,35 +10,19 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.errors import WireError
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario
-from network.codec import decode, encode
-from network.link import Link, damaged
-from network.messages import (
-    NO_PLACES,
-    NO_POSES,
-    WORLD,
-    Command,
-    Event,
-    LinkCounts,
-    Mode,
-    RunStatus,
-    Setup,
-    State,
-    Status,
-    Tick,
-)
+from network.messages import WORLD, Command, Setup, State, Status, Tick
+from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
 from world.bodies.registry import bodies_for
+from world.command_links import CommandLinks
 from world.convergence import Convergence
 from world.faults import FaultState
 from world.trace import Trace
 
-WATCHDOG = 0.2
-"""A robot without a new command for this long stops [s], as with a real base controller."""
 SHOWN_EVENTS = 40
 KEPT_EVENTS = 5000
 
@@ -81,13 +65,10 @@ class World:
         self.live: set[int] = set()
         self.convergence = Convergence()
         self._reference: Reference = scenario.reference()
-        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, LinkId.commands_from(i)) for i in self.robots}
-        self._newest: dict[int, Command] = {}
-        self._fresh: dict[int, float] = dict.fromkeys(self.robots, 0.0)
+        self._commands = CommandLinks(scenario)
         self._planned: list[int] = []
-        self._held: set[int] = set()
         self._tick: Tick | None = None
-        self._set_link_faults()
+        self._commands.set_faults(self.faults.table)
 
     # ------------------------------------------------------------------ state
 
@@ -135,12 +116,11 @@ class World:
     def advance(self, commands: Mapping[int, Command]) -> None:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
+        held = set(self._commands.held)
         for robot in self.robots:
-            command = commands.get(robot)
-            if command is not None:
-                self._send(robot, command, now)
-            self._receive(robot, now)
-        inputs = np.array([self._input(robot, now) for robot in self.robots])
+            self._commands.push(robot, commands.get(robot), now)
+        inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        self._watch(held)
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
@@ -152,33 +132,12 @@ class World:
         self._tick = None
         self._apply_faults()
 
-    def _send(self, robot: int, command: Command, now: float) -> None:
-        link = self._links[robot]
-        if link.transparent:
-            self._newest[robot], self._fresh[robot] = command, now
-        else:
-            link.push(command.seq, command.stamp, command)
-
-    def _receive(self, robot: int, now: float) -> None:
-        for arrival in self._links[robot].pop(now):
-            command = arrival.message
-            if arrival.damage is not None:
-                try:
-                    command = decode(Command, damaged(encode(command), arrival.damage))
-                except WireError:
-                    continue
-            if robot not in self._newest or command.seq > self._newest[robot].seq:
-                self._newest[robot], self._fresh[robot] = command, now
-
-    def _input(self, robot: int, now: float) -> tuple[float, float]:
-        """The newest command, unless the watchdog holds the robot."""
-        command = self._newest.get(robot)
-        stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
-        if stale != (robot in self._held) and (command is not None or now > WATCHDOG):
-            self._held ^= {robot}
-            text, severity = ("stopped: no fresh command", "error") if stale else ("moves again", "info")
+    def _watch(self, before: set[int]) -> None:
+        """Say which robots the watchdog has stopped or released."""
+        for robot in sorted(before ^ self._commands.held):
+            stopped = robot in self._commands.held
+            text, severity = ("stopped: no fresh command", "error") if stopped else ("moves again", "info")
             self.event("watchdog", f"robot {robot} {text}", severity)
-        return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)
@@ -186,11 +145,7 @@ class World:
             self.event("fault", f"{link}: {fault.words()}", "info" if fault == PERFECT else "warning")
         if changed:
             self.revision += 1
-            self._set_link_faults()
-
-    def _set_link_faults(self) -> None:
-        for link in self._links.values():
-            link.fault = self.faults.table.get(link.id, PERFECT)
+            self._commands.set_faults(self.faults.table)
 
     # ------------------------------------------------------------------ operations of users
 
@@ -201,7 +156,7 @@ class World:
         overrides.restart()
         overrides.update(0.0)
         self.faults = overrides
-        self._set_link_faults()
+        self._commands.set_faults(self.faults.table)
         self.event("run", "reset")
 
     def use(self, scenario: Scenario) -> None:
@@ -309,7 +264,7 @@ class World:
             angle_errors=angle,
             tracking_error=float(tracking_error(poses, centre[:2])),
             live=sorted(self.live),
-            stopped=sorted(self._held),
+            stopped=sorted(self._commands.held),
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,

@@ -9,7 +9,8 @@ import numpy as np
 from formation.arrays import FloatArray, frozen
 from formation.scenario.controllers import ControllerOptions
 from formation.scenario.scenario import Scenario
-from network.messages import NO_NEWS, STILL, Plan
+from network.messages import Plan
+from network.values import NO_NEWS, STILL
 
 NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))

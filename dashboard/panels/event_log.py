@@ -1,7 +1,8 @@
 """The event log of the Log tab."""
 
 from dashboard.theme.templates import render
-from network.messages import Event, State
+from network.messages import State
+from network.values import Event
 
 _COLOURS = {"info": "var(--ok)", "warning": "var(--warn)", "error": "var(--bad)"}
 """CSS colours by severity."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from dashboard.telemetry.links import LinkView
 from formation.arrays import FloatArray
-from network.messages import Event, State, Status
+from network.messages import State, Status
+from network.values import Event
 
 ROWS = 3000
 ROW_SECONDS = 0.1

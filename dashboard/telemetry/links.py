@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from formation.faults import PERFECT, Fault
 from formation.links import LinkId, plan_links
-from network.messages import LinkCounts, State, Status
+from network.messages import State, Status
 from network.topics import STATUS
+from network.values import LinkCounts
 
 LOST_SECONDS = 0.5
 """A link whose newest plan is older counts as lost: a quarter of the horizon has passed without a plan [s]."""

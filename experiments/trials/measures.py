@@ -13,7 +13,7 @@ from formation.links import LinkId
 from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
-from network.messages import LinkCounts
+from network.values import LinkCounts
 from world.trace import Trace
 
 

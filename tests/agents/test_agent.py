@@ -21,7 +21,8 @@ from formation.unicycle import step
 from network.codec import decode, encode
 from network.messages import Command, Plan, Status
 from tests import builders
-from world.world import WATCHDOG, World
+from world.command_links import WATCHDOG
+from world.world import World
 
 TICK = 0.01
 

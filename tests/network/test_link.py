@@ -15,7 +15,8 @@ from formation.faults import PRESETS, Fault
 from formation.links import LinkId
 from network.codec import decode, encode
 from network.link import MEMORY, QUEUE_LIMIT, Arrival, Link, damaged
-from network.messages import LinkCounts, Plan
+from network.messages import Plan
+from network.values import LinkCounts
 from tests.builders import plan
 
 TICK = 0.01

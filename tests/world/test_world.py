@@ -23,11 +23,13 @@ from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
-from network.messages import Command, LinkCounts, Setup, State, Tick
+from network.messages import Command, Setup, State, Tick
+from network.values import LinkCounts
 from tests.builders import command, status
 from world.bodies.wheeled import WheeledBodies
+from world.command_links import WATCHDOG
 from world.trace import Trace
-from world.world import SHOWN_EVENTS, WATCHDOG, World
+from world.world import SHOWN_EVENTS, World
 
 TICK = 0.01
 

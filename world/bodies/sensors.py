@@ -8,7 +8,7 @@ import numpy as np
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal
 from formation.scenario.scenario import Scenario
-from network.messages import NO_PLACES
+from network.values import NO_PLACES
 from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
 
 OUTLIER_HEADING = 0.25

@@ -105,7 +105,7 @@ def test_the_team_waits_for_a_stuck_robot_and_makes_up_for_it(latency: Any, boun
     simulation = simulated(STUCK, f"link.latency={latency}", f"duration={duration}")
     error = worst(simulation)
     assert 2.0 < error[500:].max() < bound
-    assert error[1300:].max() < 2.0  # 4 s after its release
+    assert error[1300:].max() < 3.0  # from 4 s after its release on
     assert error[-1] < 0.01
     assert max(lags(simulation)) == 0.0  # the path is caught up
     assert simulation.trace.errors()[2][-1] < 1e-4

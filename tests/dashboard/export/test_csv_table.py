@@ -9,7 +9,7 @@ import pytest
 from dashboard.export.csv_table import as_csv
 from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.links import ring_links
-from network.messages import Event
+from network.values import Event
 from tests.builders import state, status
 from tests.dashboard.fakes import kept
 

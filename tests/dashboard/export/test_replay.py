@@ -11,7 +11,7 @@ from dashboard.scene.path_line import path_points
 from dashboard.telemetry.export_buffer import ExportData
 from dashboard.theme.palette import DARK
 from formation.scenario.files import load
-from network.messages import Event
+from network.values import Event
 from tests.builders import state
 from tests.dashboard.fakes import kept
 

@@ -10,7 +10,8 @@ from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
 from formation.faults import Fault
 from formation.links import LinkId, plan_links
-from network.messages import Event, Severity, State
+from network.messages import State
+from network.values import Event, Severity
 from tests.builders import state
 
 

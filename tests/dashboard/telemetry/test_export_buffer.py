@@ -6,7 +6,7 @@ from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, Expor
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
 from formation.links import LinkId
-from network.messages import Event
+from network.values import Event
 from tests.builders import state
 from tests.dashboard.fakes import kept
 

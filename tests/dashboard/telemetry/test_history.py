@@ -2,7 +2,7 @@
 
 from dashboard.telemetry.history import History
 from dashboard.telemetry.series import POINTS
-from network.messages import Event
+from network.values import Event
 from tests.builders import state
 
 

@@ -3,7 +3,7 @@
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, ring_links
 from formation.faults import Fault
 from formation.links import LinkId
-from network.messages import LinkCounts
+from network.values import LinkCounts
 from tests.builders import state, status
 
 

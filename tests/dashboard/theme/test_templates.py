@@ -10,7 +10,7 @@ import pytest
 from dashboard.panels import event_log
 from dashboard.theme.palette import DARK, LIGHT
 from dashboard.theme.templates import render, style_element
-from network.messages import Event
+from network.values import Event
 from tests.builders import state
 
 ROOT = Path(__file__).parents[3]

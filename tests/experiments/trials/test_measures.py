@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from experiments.trials.measures import MEASURES, Event, Record, measured
 from formation.arrays import FloatArray
-from network.messages import LinkCounts
+from network.values import LinkCounts
 
 DT = 0.1
 

@@ -1,0 +1,53 @@
+"""What messages are made of: small values, and the empty arrays of each shape."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from formation.arrays import FloatArray, frozen
+from network.fields import STRICT, Count, NonNegative, Text
+
+Severity = Literal["info", "warning", "error"]
+Mode = Literal["lockstep", "realtime"]
+"""Whether the world waits for every agent at every tick, or steps by the wall clock."""
+
+
+STILL: FloatArray = frozen(np.zeros(2))
+NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
+NO_MEASUREMENTS, NO_NEWS = (frozen(np.zeros((0, columns))) for columns in (9, 4))
+"""Nothing, of each shape."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinkCounts:
+    """Message counts of one link so far."""
+
+    sent: Count = 0
+    delivered: Count = 0
+    """Arrived, copies included."""
+    lost: Count = 0
+    late: Count = 0
+    """Dropped because a newer one had arrived before (part of delivered)."""
+    corrupt: Count = 0
+    """Refused because of flipped bytes (part of delivered)."""
+    duplicated: Count = 0
+    """Copies the link made (sent + duplicated = delivered + lost + in_flight)."""
+    in_flight: Count = 0
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An entry of the run's event log."""
+
+    number: Count
+    stamp: NonNegative
+    kind: Literal["run", "fault", "agent", "watchdog", "wire"]
+    text: Text
+    severity: Severity = "info"
+    """How much it matters; info also when something is well again. Set by who raises the event."""
+    __pydantic_config__ = STRICT
+
+
+RunStatus = Literal["waiting", "running", "paused", "finished"]

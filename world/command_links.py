@@ -1,0 +1,61 @@
+"""Commands on their way to the bodies: the link of each robot, and the watchdog that stops who gets none."""
+
+from collections.abc import Mapping
+
+from formation.errors import WireError
+from formation.faults import PERFECT, Fault
+from formation.links import LinkId
+from formation.scenario.scenario import Scenario
+from network.codec import decode, encode
+from network.link import Arrival, Link, damaged
+from network.messages import Command
+
+WATCHDOG = 0.2
+"""A robot that receives no new command for so long stops [s], as a real base controller makes it."""
+
+
+class CommandLinks:
+    """The newest command that has reached each robot."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        robots = range(1, scenario.size + 1)
+        self._links: dict[int, Link[Command]] = {i: Link(scenario.seed, LinkId.commands_from(i)) for i in robots}
+        self._newest: dict[int, Command] = {}
+        self._fresh: dict[int, float] = dict.fromkeys(robots, 0.0)
+        self.held: set[int] = set()
+        """Robots that the watchdog has stopped."""
+
+    def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
+        """Set the faults of the links from now on; one that is not named is perfect."""
+        for link in self._links.values():
+            link.fault = faults.get(link.id, PERFECT)
+
+    def push(self, robot: int, command: Command | None, now: float) -> None:
+        """A robot's command of this tick enters its link, if there is one; take what the link delivers."""
+        link = self._links[robot]
+        if command is not None and link.transparent:
+            self._newest[robot], self._fresh[robot] = command, now
+        elif command is not None:
+            link.push(command.seq, command.stamp, command)
+        for arrival in link.pop(now):
+            arrived = _read(arrival)
+            if arrived and (robot not in self._newest or arrived.seq > self._newest[robot].seq):
+                self._newest[robot], self._fresh[robot] = arrived, now
+
+    def input(self, robot: int, now: float) -> tuple[float, float]:
+        """The newest command (v, omega), or zeros while the watchdog holds the robot; keeps `held` up to date."""
+        command = self._newest.get(robot)
+        stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
+        if stale != (robot in self.held) and (command is not None or now > WATCHDOG):
+            self.held ^= {robot}
+        return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
+
+
+def _read(arrival: Arrival[Command]) -> Command | None:
+    """The command that arrived; None if its bytes were damaged."""
+    if arrival.damage is None:
+        return arrival.message
+    try:
+        return decode(Command, damaged(encode(arrival.message), arrival.damage))
+    except WireError:
+        return None

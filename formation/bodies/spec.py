@@ -136,6 +136,14 @@ class Bodies(Model):
             raise ValueError("arena: expected [x_min, y_min, x_max, y_max]")
         return self
 
+    def of(self, robot: int) -> RobotBody:
+        """What differs in this robot."""
+        return next((entry for entry in self.robots if entry.robot == robot), RobotBody(robot=robot))
+
+    def radii(self, robots: int) -> list[float]:
+        """Of robots 1 to this one [m]."""
+        return [self.of(robot).radius or self.radius for robot in range(1, robots + 1)]
+
     @property
     def sees(self) -> bool:
         """Whether robots sense their upstream neighbour's position."""

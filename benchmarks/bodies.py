@@ -107,7 +107,8 @@ class Found:
 
     def line(self) -> str:
         """As it is printed."""
-        bound = "" if self.bound is None else f"bound {self.bound:.3f} {'kept' if self.kept else 'NOT KEPT'}"
+        wrong = "L_E NOT KEPT" if self.bound is not None and self.l_e > self.bound else "JITTER NOT KEPT"
+        bound = "" if self.bound is None else f"bound {self.bound:.3f} {'kept' if self.kept else wrong}"
         ratios = "  ".join(
             f"{100 * (r - 1):+.1f} +- {100 * e:.1f} % of {rival}" for rival, (r, e) in self.against.items()
         )

@@ -1,5 +1,7 @@
 """What every reference path has, and its heading as the paper samples it."""
 
+from typing import Literal
+
 import numpy as np
 
 from formation.arrays import FloatArray
@@ -8,6 +10,9 @@ from formation.schema import Model
 
 class Path(Model):
     """What every path has."""
+
+    known_to: Literal["all", "leader"] = "all"
+    """Who evaluates it: every robot, or robot 1 alone, whose preview the others pass on round the ring."""
 
     @property
     def period(self) -> float | None:

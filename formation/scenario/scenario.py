@@ -24,9 +24,10 @@ from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
-from formation.scenario.registry import CONTROLLERS, DEFAULT
+from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
+from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000
 """Ticks of one episode: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
@@ -143,6 +144,11 @@ class Scenario(Model):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
+        if self.path.known_to == "leader" and spec_of(self.controller).needs_path:
+            raise ValueError(
+                f"path.known_to: {self.controller.name} needs the path in every robot: expected all, or a controller "
+                f"that follows what it is told ({', '.join(TOLD)})"
+            )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:
             raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
@@ -235,6 +241,16 @@ class Scenario(Model):
         return Reference(
             self._motion(None if robots is None else list(robots), rounded=rounded),
             self._schedule,
+            control_interval=self.control_interval,
+            stride=self.stride,
+            horizon=self.controller.horizon,
+        )
+
+    def heard_reference(self, robots: Iterable[int], *, rounded: bool = False) -> HeardReference:
+        """The reference of robots that are told the path; arguments as of `reference`."""
+        return HeardReference(
+            self._offsets.rows(list(robots)),
+            self.reference([1], rounded=rounded).preview(0),
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,

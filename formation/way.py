@@ -15,7 +15,7 @@ from formation.metrics import wrapped
 from formation.motion import SLOW
 from formation.offsets import Offsets
 from formation.pattern import rotate
-from formation.reference import BEHIND_TICKS, BLOCK_TICKS, HORIZONS, Block, block_of
+from formation.reference import BEHIND_TICKS, BLOCK_TICKS, Block, block_of
 
 TICK, TIME, X, Y, THETA, FACING = range(6)
 """Columns of a preview, (m, 6); its rows are one prediction interval apart."""
@@ -25,6 +25,8 @@ TURN = 1.0
 """The arc beyond a preview turns no faster, though a corner were its end [rad/s]."""
 RETURN = 1.5
 """Rate at which the gap to a newer preview closes [1/s]."""
+SPARE = 50
+"""Ticks that are computed beyond those that are asked for, while nothing is heard."""
 CLOSED = 1e-6
 """A gap below this is none [m, rad, s]."""
 BACK = 0.005
@@ -47,8 +49,7 @@ class HeardReference:
             horizon: N.
         """
         self._offsets, self._tick, self._stride = offsets, control_interval, stride
-        self._rows = horizon + 1
-        self._ahead = HORIZONS * stride * horizon + stride
+        self._ahead = stride * (horizon + 1)
         self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
         self._take(start)
         self.known = True
@@ -78,6 +79,7 @@ class HeardReference:
         steps = np.diff(preview[:, TICK])
         if np.any(steps != self._stride) or not 0 <= preview[0, TICK] <= k:
             return False
+        whole, old_end = self.known and not self._returning, self.end
         at = np.array([k, k + 1])
         before = self._centre(at)
         self._take(preview)
@@ -90,13 +92,15 @@ class HeardReference:
                 self._gap = apart[0]
                 self._slope = apart[1] * math.exp(RETURN * self._tick) - apart[0]
         self.known = True
-        self._fill(k, k + self._ahead)
+        # What both previews have stays, unless a gap was closed or is to be.
+        same = whole and not self._returning
+        self._fill(max(k, old_end - 3 * self._stride) if same else k, k + self._ahead)
         return True
 
     def block(self, k: int) -> Block:
-        """The block that holds ticks k .. k + HORIZONS * stride * horizon. It changes with what is heard."""
+        """The block that holds ticks k .. k + stride * (horizon + 1). It changes with what is heard."""
         if k + self._ahead > self._filled:
-            self._fill(self._filled, k + self._ahead)
+            self._fill(self._filled, k + self._ahead + SPARE)
         return self._block
 
     def preview(self, k: int) -> FloatArray:  # noqa: ARG002  that of a robot that knows the path depends on it
@@ -112,6 +116,10 @@ class HeardReference:
         self._nodes = preview[:, TIME:].copy()
         self._nodes[:, THETA - 1 :] = np.unwrap(self._nodes[:, THETA - 1 :], axis=0)
 
+    @property
+    def _returning(self) -> bool:
+        return bool(self._gap.any() or self._slope.any())
+
     def _gap_at(self, ticks: FloatArray) -> FloatArray:
         """What is left of the gap (T, 5) at these ticks (T,)."""
         passed = (ticks - self._joined)[:, None]
@@ -123,7 +131,7 @@ class HeardReference:
         beyond = ticks > self.end
         if beyond.any():
             found[beyond] = self._beyond((ticks[beyond] - self.end) * self._tick)
-        return found + self._gap_at(ticks)
+        return found + self._gap_at(ticks) if self._returning else found
 
     def _inside(self, ticks: FloatArray) -> FloatArray:
         """Cubics through the preview's rows, (T, 5)."""
@@ -162,7 +170,7 @@ class HeardReference:
         return found
 
     def _empty(self, first: int) -> Block:
-        rows = BEHIND_TICKS + BLOCK_TICKS + self._ahead
+        rows = BEHIND_TICKS + BLOCK_TICKS
         n = self._offsets.size
         return Block(first, np.zeros((rows, 5)), np.zeros((rows, n, 3)), np.zeros((rows, n, 2)))
 

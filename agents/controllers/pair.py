@@ -118,6 +118,8 @@ class Pair:
         key = (k, self.lag, self.pace)
         if self._ahead is None or self._ahead[0] != key:
             at = self._row(k)
+            if self.way is not None and self.pace > 1.0:
+                self.way.block(math.ceil(at + (self.pace - 1.0) * self.horizon * self.stride))
             block, row = self.block(math.floor(at))
             slots, inputs = np.empty((self.horizon + 1, 4, 3)), np.empty((self.horizon, 4, 2))
             between = row + (at - math.floor(at))

@@ -92,7 +92,8 @@ class Reference:
     def preview(self, k: int) -> FloatArray:
         """What robot 1 tells the others of the path at tick k: one horizon of rows as in formation/way.py."""
         ticks = k + self._stride * np.arange(self._ahead // (HORIZONS * self._stride) + 1)
-        t = self._schedule.path_time(self._tick * ticks)
+        clock: FloatArray = self._tick * ticks.astype(float)
+        t = self._schedule.path_time(clock)
         centre, theta = self._motion.centre(t)
         return np.column_stack([ticks, t, centre, theta, self._motion.facing(t)])
 

@@ -79,6 +79,8 @@ class HeardReference:
         steps = np.diff(preview[:, TICK])
         if np.any(steps != self._stride) or not 0 <= preview[0, TICK] <= k:
             return False
+        if k > self._filled:
+            self._fill(self._filled, k)
         whole, old_end = self.known and not self._returning, self.end
         at = np.array([k, k + 1])
         before = self._centre(at)
@@ -94,7 +96,7 @@ class HeardReference:
         self.known = True
         # What both previews have stays, unless a gap was closed or is to be.
         same = whole and not self._returning
-        self._fill(max(k, old_end - 3 * self._stride) if same else k, k + self._ahead)
+        self._fill(min(max(k, old_end - 3 * self._stride), self._filled) if same else k, k + self._ahead)
         return True
 
     def block(self, k: int) -> Block:
@@ -103,7 +105,7 @@ class HeardReference:
             self._fill(self._filled, k + self._ahead + SPARE)
         return self._block
 
-    def preview(self, k: int) -> FloatArray:  # noqa: ARG002  that of a robot that knows the path depends on it
+    def preview(self, k: int) -> FloatArray:
         """What the robot passes on: the newest preview that it knows, (m, 6), empty if none."""
         return self.newest if self.known else self.newest[:0]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Union
 
 import numpy as np
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
@@ -24,6 +24,7 @@ from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
+from formation.scenario.estimator import Estimator
 from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
@@ -89,23 +90,6 @@ else:
         Field(discriminator="name"),
         BeforeValidator(_named),
     ]
-
-
-class Estimator(Model):
-    """What an agent makes of measurements, before any controller sees them (docs/theory.md, section 12)."""
-
-    enabled: bool = True
-    """Filter measurements; without, a controller gets the newest measured pose, carried on along odometry."""
-    disturbances: bool = True
-    """Detect and estimate disturbances of the body velocity, and compensate for them."""
-    relative: bool = True
-    """Use relative sensing, where the bodies have it."""
-    window: Annotated[int, Field(ge=1, le=3)] = 2
-    """Robots in one filter: the own one, the upstream neighbour, and that one's (where robots see each other)."""
-    delay: Duration | Literal["learn", "nominal"] = "learn"
-    """From a command to its effect [s]: learnt, that of [bodies], or a number."""
-    lag: Duration | Literal["learn", "nominal"] = "nominal"
-    """Time constant of the wheels [s], likewise."""
 
 
 class Lockstep(Model):

@@ -56,7 +56,7 @@ class StartNoise(Model):
 
 
 class Robots(Model):
-    """The bodies: start poses and limits."""
+    """Start poses, start noise and input limits."""
 
     poses: list[Triple] | None = None
     """Start poses [m, m, rad]; in formation if absent."""
@@ -117,7 +117,7 @@ class Scenario(Model):
     noise: Noise = Noise()
     controller: AnyController = NashOptions()
     bodies: Bodies = Bodies()
-    """The robots: how they follow commands, and what is measured of them."""
+    """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
     link: Fault = Fault()
@@ -149,7 +149,7 @@ class Scenario(Model):
             )
         for index, fault in enumerate(self.faults):
             try:
-                links_named(fault.link, self.size)
+                links_named(fault.link, self.size, both=self.controller.uses_downstream)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
         if self.noise.model_fields_set & self.bodies.model_fields_set or (

@@ -94,9 +94,9 @@ class NashOptions(PairGame):
 
     @model_validator(mode="after")
     def _of_the_game(self) -> Self:
-        pairs = {"q", "formation"} & self.model_fields_set
-        response = {"hears", "own_weight", "trust_time"} & self.model_fields_set
-        wrong = sorted(pairs if self.game == "response" else response)
+        keys = ("formation", "q") if self.game == "response" else ("hears", "own_weight", "trust_time")
+        # A value that is the default was not meant: a whole table with every key is as good as a short one.
+        wrong = [key for key in keys if getattr(self, key) != type(self).model_fields[key].default]
         if wrong:
             other = "pair" if self.game == "response" else "response"
             raise ValueError(f"expected {', '.join(wrong)} with game = {other!r} only; got game = {self.game!r}")

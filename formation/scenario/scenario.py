@@ -152,10 +152,16 @@ class Scenario(Model):
                 links_named(fault.link, self.size, both=self.controller.uses_downstream)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
-        if self.noise.model_fields_set & self.bodies.model_fields_set or (
-            {"position", "heading"} & self.noise.model_fields_set & self.bodies.localisation.model_fields_set
-        ):
-            raise ValueError("noise: expected slip, gyro, position and heading either here or in bodies; got both")
+        noise, sensor = self.noise, self.bodies.localisation
+        there = {
+            "slip": self.bodies.slip,
+            "gyro": self.bodies.gyro,
+            "position": sensor.position,
+            "heading": sensor.heading,
+        }
+        twice = [key for key, value in there.items() if value and getattr(noise, key)]
+        if twice:
+            raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")
         try:
             nominal(self.body, self.control_interval)
         except ValueError as error:
@@ -178,11 +184,10 @@ class Scenario(Model):
     @cached_property
     def body(self) -> Bodies:
         """The bodies, with [noise], which is another way to write four of their keys."""
-        noise = self.noise
-        if not noise.model_fields_set:
+        given: dict[str, float] = {key: value for key, value in self.noise.model_dump().items() if value}
+        if not given:
             return self.bodies
         sensor = self.bodies.localisation
-        given = {key: getattr(noise, key) for key in noise.model_fields_set}
         seen: dict[str, float] = {key: given.pop(key) for key in ("position", "heading") if key in given}
         return self.bodies.model_copy(update={**given, "localisation": sensor.model_copy(update=seen)})
 

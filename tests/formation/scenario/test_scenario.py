@@ -334,3 +334,14 @@ def test_a_scenario_is_frozen() -> None:
     with pytest.raises(ValueError, match="frozen"):
         load("circle").seed = 3  # type: ignore[misc]
     assert not load("circle").formation.array.flags.writeable
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"bodies": "camera"}, {"noise": {"slip": 0.2, "position": 0.001}}, {"controller": {"game": "pair"}}]
+)
+def test_a_scenario_with_every_key_written_out_is_the_same_scenario(changes: Any) -> None:
+    short = load("triangle-circle", changes)
+    whole = Scenario.model_validate_json(short.model_dump_json())
+    assert whole.body == short.body
+    assert whole.nominal == short.nominal
+    assert whole.controller == short.controller

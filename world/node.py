@@ -258,7 +258,7 @@ class WorldNode:
     def _take_command(self, command: Command) -> None:
         """In lockstep: for the tick that is out, of a robot that was not lost meanwhile."""
         robot, tick = command.sender, self._tick
-        if command.seq >= self._failed_at.get(robot, 0):
+        if robot not in self._world.live and command.seq >= self._failed_at.get(robot, 0):
             self._roster.speaks(robot)
         if self.phase not in OUT or tick is None or command.seq != tick.seq or robot in tick.gone:
             return

@@ -1,6 +1,6 @@
 """What a robot makes of its measurements: where it is now, where it will be when a command acts, what disturbs it.
 
-Two estimators with one interface: `WindowEstimator` filters (docs/theory.md, Estimator), `LatestPose` takes the newest
+Two estimators with one interface: `WindowEstimator` filters (docs/theory.md, section 12), `LatestPose` takes the newest
 measured pose as it is, for controllers that are shown as they were printed.
 """
 

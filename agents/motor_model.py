@@ -1,4 +1,4 @@
-"""How commands become motion, as far as the agent knows: delay and lag, nominal, given or learnt on line."""
+"""How commands become motion, as far as the agent knows: nominal, given or learnt (docs/theory.md, section 13)."""
 
 import math
 

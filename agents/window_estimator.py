@@ -1,4 +1,4 @@
-"""The window filter of one robot: raw measurements in, at their own stamps; an estimate out (docs/theory.md)."""
+"""The window filter of one robot: raw measurements in, an estimate out (docs/theory.md, section 12)."""
 
 import math
 

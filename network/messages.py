@@ -85,7 +85,7 @@ class Plan:
     inputs: Inputs
     """(N, 2) mean body velocities over the intervals."""
     lag: NonNegative = 0.0
-    """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, section 6."""
+    """How far its reference time is behind the clock, because it waits [s]; docs/theory.md, sections 6 and 15."""
     lag_rate: Real = 0.0
     """Rate of change of its lag that is its own doing: 1 while it cannot keep up, below 0 while it catches up."""
     delay: NonNegative = 0.0

@@ -1,4 +1,4 @@
-"""Best response along the edges: a robot's own inputs, against what its neighbours announced (docs/theory.md).
+"""Best response along the edges: own inputs, against the plans that were received (docs/theory.md, section 14).
 
 Each robot minimises, over its own inputs alone,
 

@@ -1,4 +1,4 @@
-"""How a robot waits for those that cannot keep up, and says so (docs/theory.md, Waiting)."""
+"""How a robot waits for those that cannot keep up, and says so (docs/theory.md, section 15)."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""A neighbour's error along the edge to it, over a horizon (docs/theory.md, Best response)."""
+"""A neighbour's error along the edge to it, over a horizon (docs/theory.md, section 14)."""
 
 import math
 

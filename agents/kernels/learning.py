@@ -1,9 +1,9 @@
-"""Learning on line how late commands act and how slowly wheels follow, from own commands and odometry.
+"""Learning on line how late commands act and how slowly wheels follow (docs/theory.md, section 13).
 
-Wheels obey w[t+1] = w[t] + rho (c[t-d] - w[t]), rho = 1 - exp(-dt/tau). For every candidate d the sums of a least
-squares fit of rho are kept, forgetting old ticks; the d whose fit leaves least unexplained is the delay. Where commands
-do not change nothing can be learnt, and nothing is: then it does not matter either. A delay that is wrong shakes the
-robot, and that teaches it within some ticks.
+From own commands and odometry: wheels obey w[t+1] = w[t] + rho (c[t-d] - w[t]), rho = 1 - exp(-dt/tau). For every
+candidate d the sums of a least squares fit of rho are kept, forgetting old ticks; the d whose fit leaves least
+unexplained is the delay. Where commands do not change nothing can be learnt, and nothing is: then it does not matter
+either. A delay that is wrong shakes the robot, and that teaches it within some ticks.
 """
 
 import math

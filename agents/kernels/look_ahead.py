@@ -1,4 +1,4 @@
-"""From the estimate to where a plan begins: along odometry to now, and along the commands that are under way."""
+"""From the estimate to where a plan begins: along odometry, then along commands (docs/theory.md, section 13)."""
 
 import math
 

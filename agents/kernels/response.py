@@ -1,6 +1,6 @@
 """The best response along the edges: one Gauss-Newton step over (x, y, theta, v, omega) and two inputs.
 
-docs/theory.md, Best response.
+docs/theory.md, section 14.
 
 The inputs c are body velocities that the wheels approach with time constant tau: v+ = c + (v - c) E, and the mean over
 an interval is c + (v - c) m, with E = exp(-dt/tau) and m = (tau/dt)(1 - E). Without lag E = m = 0.

@@ -1,4 +1,4 @@
-"""Waiting by PI with an announced rate (docs/theory.md, Waiting): who cannot keep up holds the formation's clock back.
+"""Waiting by PI with an announced rate (docs/theory.md, section 15): who cannot keep up holds the clock back.
 
 A robot's reference is the scenario's at t - lag. Who is behind its slot and does not move as it planned raises its own
 need n at a rate that a PI law finds; it announces n and the rate r, and everybody's lag follows the largest need heard,

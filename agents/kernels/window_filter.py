@@ -1,4 +1,4 @@
-"""The estimator of one robot (docs/theory.md, Estimator): a window of W robots, one joint filter, raw measurements.
+"""The estimator of one robot (docs/theory.md, section 12): a window of W robots, one joint filter, raw measurements.
 
 Every measurement enters at its own stamp. The base stands where everything is known; a copy runs from there to the own
 newest stamp and is the estimate.

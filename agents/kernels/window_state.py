@@ -1,4 +1,4 @@
-"""The window filter's state and constants (docs/theory.md): W joint blocks of (x, y, theta, d_v, d_l, d_w)."""
+"""The window filter's state and constants (docs/theory.md, section 12): W joint blocks (x, y, theta, d_v, d_l, d_w)."""
 
 import math
 from typing import NamedTuple
@@ -190,7 +190,7 @@ LEVELS = (0.01, 0.01, 0.05)
 
 
 def tuning(body: Nominal, dt: float, *, sees: bool, detects: bool) -> Tuning:
-    """Constants of the filter for these bodies: one rule for all sensors (docs/theory.md, Estimator).
+    """Constants of the filter for these bodies: one rule for all sensors (docs/theory.md, section 12).
 
     Args:
         body: what may be known of the bodies.

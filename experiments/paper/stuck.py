@@ -1,4 +1,4 @@
-"""A robot that stands still for four seconds: how the formation fares (docs/theory.md, section 6)."""
+"""A robot that stands still for four seconds: how the formation fares (docs/theory.md, section 15)."""
 
 from collections.abc import Mapping, Sequence
 

@@ -1,6 +1,6 @@
 """The scenario's [bodies] table: how wheels follow commands, what sensors see, and what differs from robot to robot.
 
-docs/theory.md, "Bodies", has the equations. Numbers that are drawn per robot are uniform within +- the bound.
+docs/theory.md, section 11, has the equations. Numbers that are drawn per robot are uniform within +- the bound.
 """
 
 from typing import Annotated, Any

@@ -91,7 +91,7 @@ else:
 
 
 class Estimator(Model):
-    """What an agent makes of measurements, before any controller sees them (docs/theory.md, Estimator)."""
+    """What an agent makes of measurements, before any controller sees them (docs/theory.md, section 12)."""
 
     enabled: bool = True
     """Filter measurements; without, a controller gets the newest measured pose, carried on along odometry."""

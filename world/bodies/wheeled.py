@@ -1,4 +1,4 @@
-"""Wheeled bodies: wheels that follow commands late and slowly, slip, get stuck and are pushed (docs/theory.md).
+"""Wheeled bodies: wheels that follow late and slowly, slip, get stuck and are pushed (docs/theory.md, section 11).
 
 A command c acts `delay` after its arrival, held within the limits. Wheel speeds follow it,
 w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as a unicycle with

@@ -1,4 +1,4 @@
-"""Laws of wheeled bodies and their sensors (docs/theory.md, Bodies)."""
+"""Laws of wheeled bodies and their sensors (docs/theory.md, section 11)."""
 
 import math
 from typing import Any

@@ -175,6 +175,8 @@ class AgentPresence:
 
     def settle(self, now: float) -> None:
         """Count agents that have been missing for long enough as lost."""
+        if self._doubt is None and not self._suspects:
+            return
         if self._doubt is not None:
             earliest, latest = self._doubt
             back = now >= earliest and all(self._has_token(robot) for robot in self._world.live)

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from formation.bodies.presets import PRESETS as BODIES
 from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
 from formation.scenario import files
@@ -24,6 +25,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--controller", help=", ".join(NAMES))
     parser.add_argument("--faults", metavar="PRESET|FILE", help=f"{', '.join(PRESETS)}, or a TOML file with [[faults]]")
+    parser.add_argument("--bodies", metavar="PRESET", help=", ".join(BODIES))
     parser.add_argument("--seed", help="of noise and faults")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
@@ -53,6 +55,8 @@ def overrides(options: argparse.Namespace) -> dict[str, Any]:
     found = from_settings(options.settings)
     if options.controller is not None:
         found = merged(found, at_path("controller.name", options.controller))
+    if options.bodies is not None:
+        found = merged(found, at_path("bodies.preset", options.bodies))
     if options.seed is not None:
         found = merged(found, at_path("seed", from_text(options.seed)))
     if options.faults is not None:
@@ -106,6 +110,12 @@ def tell(line: str) -> None:
 
 def warn(scenario: Scenario) -> None:
     """Print a line on stderr if robots cannot follow what the scenario asks of them."""
+    bodies = scenario.bodies
+    if bodies.scaled != 1.0:
+        tell(
+            f"{scenario.name}: {bodies.preset} robots are {2.0 * bodies.radius:g} m wide: spacing, path and speed are "
+            f"{bodies.scaled:.2g} times as large"
+        )
     line = scenario.feasibility().line
     if line:
         tell(f"{scenario.name}: {line}")

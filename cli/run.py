@@ -104,15 +104,22 @@ def _print(summary: dict[str, Any]) -> None:
         f"{summary['duration']:g} s in {summary['wall_s']:.2f} s ({summary['engine']}), "
         f"measured from {summary['warmup']:g} s"
     )
-    errors = Table("pattern error", "rms mm", "median mm", "p95 mm", "max mm", "angle rms rad")
+    errors = Table("pattern error", "rms mm", "median mm", "p95 mm", "max mm", "angle rms rad", "at a limit s")
     for robot, figures in summary["robots"].items():
         d, a = figures["distance_error_m"], figures["angle_error_rad"]
         errors.add_row(
-            f"robot {robot}", *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), f"{a['rms']:.2g}"
+            f"robot {robot}",
+            *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")),
+            f"{a['rms']:.2g}",
+            f"{figures['limit_s']:.3g}",
         )
     t = summary["tracking_error_m"]
-    errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "")
+    errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "", "")
     console.print(errors)
+    console.print(
+        f"contacts {summary['contacts']}, least gap of two robots {summary['gap_m'] * 1e3:.3g} mm "
+        f"({summary['clearance_m'] * 1e3:.4g} mm between centres)"
+    )
     if summary["reference_lag_s"] > 0.0:
         console.print(f"the reference slowed down for all and is {summary['reference_lag_s']:.3g} s late at the end")
     links = Table("link", "sent", "delivered", "lost", "late", "age median s", "p95 s", "max s")

@@ -100,6 +100,11 @@ class Formation(Shape):
                 raise ValueError(f"changes[{index}]: {error}") from None
         return self
 
+    @property
+    def shapes(self) -> list[FloatArray]:
+        """Offsets (n, 2) of the shape at the start and of those that it changes to [m]."""
+        return [self.array, *(change.array_for(len(self.array)) for change in self.changes)]
+
     @cached_property
     def array(self) -> FloatArray:
         """Offsets (n, 2) at the start, with mean zero [m]."""

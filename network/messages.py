@@ -33,7 +33,7 @@ from network.fields import (
 )
 from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, STILL, Event, LinkCounts, Mode, RunStatus
 
-VERSION = 2
+VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = links.WORLD
 """Sender number of the world; robots count from 1."""
@@ -204,6 +204,10 @@ class State:
     """(n,) psi_e [rad]."""
     tracking_error: NonNegative
     """[m]."""
+    contacts: Count
+    """Pairs of robots that came to touch in this episode."""
+    gap: Real
+    """Least distance of two bodies in this episode [m]; negative if they overlapped."""
     live: list[Sender]
     """Robots with a live agent."""
     stopped: list[Sender]

@@ -84,6 +84,8 @@ def state(
         "speed": 1.0,
         "pace": 1.0,
         "overruns": 0,
+        "contacts": 0,
+        "gap": 0.03,
         "rejected": 0,
         "poses": np.zeros((robots, 3)),
         "slots": np.zeros((robots, 3)),

@@ -64,7 +64,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "convergence", "states", "command_links"},
+        {"bodies", "faults", "contacts", "convergence", "states", "command_links"},
         {"trace", "rate"},
         {"world"},
         {"presence"},

@@ -12,6 +12,7 @@ from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
+from world.contacts import Excursions
 from world.convergence import Convergence
 
 
@@ -81,6 +82,7 @@ class Trace:
         self,
         counts: Mapping[LinkId, LinkCounts],
         convergence: Convergence,
+        excursions: Excursions,
         events: Sequence[Event],
         *,
         warmup: float = 0.0,
@@ -90,6 +92,7 @@ class Trace:
         Args:
             counts: by link.
             convergence: of the agents' solvers.
+            excursions: of the robots, in the whole episode.
             events: in the order in which they happened.
             warmup: measures start at this simulated time [s].
         """
@@ -111,6 +114,7 @@ class Trace:
                     "distance_error_m": _spread(distance[:, i]),
                     "angle_error_rad": _spread(angle[:, i]),
                     "converged": convergence.share(i + 1),
+                    **excursions.summary(i + 1),
                 }
                 for i in range(scenario.size)
             },

@@ -19,6 +19,7 @@ from network.messages import WORLD, Command, Setup, State, Status, Tick
 from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
+from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
 from world.faults import FaultState
 from world.trace import Trace
@@ -64,11 +65,13 @@ class World:
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
         self.convergence = Convergence()
+        self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
         self._reference: Reference = scenario.reference()
         self._commands = CommandLinks(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
+        self._look()
 
     # ------------------------------------------------------------------ state
 
@@ -128,9 +131,16 @@ class World:
             text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
             self.event("agent", f"robot {robot}: its solver {text}", severity)
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self.excursions.add(inputs, self.plant.poses)
         self.k += 1
+        self._look()
         self._tick = None
         self._apply_faults()
+
+    def _look(self) -> None:
+        """Count who touches whom."""
+        for one, other in self.contacts.look(self.plant.poses):
+            self.event("contact", f"robots {one} and {other} touch", "warning")
 
     def _watch(self, before: set[int]) -> None:
         """Say which robots the watchdog has stopped or released."""
@@ -215,9 +225,12 @@ class World:
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The summary of the episode so far; empty for an endless one."""
         links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
-        return (
-            self.trace.summary(links, self.convergence, self._events_of_episode(), warmup=warmup) if self.trace else {}
-        )
+        if self.trace is None:
+            return {}
+        return {
+            **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
+            **self.contacts.summary(),
+        }
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]
@@ -263,6 +276,8 @@ class World:
             distance_errors=distance,
             angle_errors=angle,
             tracking_error=float(tracking_error(poses, centre[:2])),
+            contacts=self.contacts.count,
+            gap=self.contacts.gap,
             live=sorted(self.live),
             stopped=sorted(self._commands.held),
             faults=dict(self.faults.table),

@@ -40,6 +40,7 @@ def run_summary(snapshot: Snapshot, links: list[LinkView]) -> str:
         condition=condition(snapshot),
         state=state,
         world_alive=snapshot.world_alive,
+        gap="" if state is None else " ".join(length(state.gap)),
         tiles=[] if state is None else _tiles(state, links),
         chips=[] if state is None else _chips(state, links),
     )

@@ -9,9 +9,9 @@ def level_colour(level: float) -> str:
 def length(metres: float) -> tuple[str, str]:
     """A length and its unit, with three significant digits at most."""
     mm = 1e3 * metres
-    if mm < 0.0995:
+    if abs(mm) < 0.0995:
         return f"{1e3 * mm:.0f}", "µm"
-    return (f"{mm:.2f}" if mm < 9.995 else f"{mm:.1f}" if mm < 99.95 else f"{mm:.0f}"), "mm"
+    return (f"{mm:.2f}" if abs(mm) < 9.995 else f"{mm:.1f}" if abs(mm) < 99.95 else f"{mm:.0f}"), "mm"
 
 
 def duration(seconds: float) -> tuple[str, str]:

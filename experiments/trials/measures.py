@@ -14,6 +14,7 @@ from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
 from network.values import LinkCounts
+from world.contacts import Contacts
 from world.trace import Trace
 
 
@@ -66,6 +67,8 @@ class Record:
     level: FloatArray
     """(T,) the level of an `Event`, or |l_e| of the worst robot without one [m]."""
     event: Event | None
+    radii: tuple[float, ...] = ()
+    """Of the robots [m]."""
 
 
 def record(
@@ -93,6 +96,7 @@ def record(
         counts=tuple(counts.values()),
         level=trailing_rms(distance, window)[first:].max(axis=1),
         event=event,
+        radii=tuple(scenario.bodies.radii(scenario.size)),
     )
 
 
@@ -111,6 +115,14 @@ def _event_max(trial: Record) -> float:
     """The largest |l_e| from the event's beginning on [m]."""
     assert trial.event is not None
     return float(np.abs(trial.distance[trial.times >= trial.event.at - 1e-9]).max())
+
+
+def _contacts(trial: Record) -> Contacts:
+    """Who touched whom."""
+    found = Contacts(trial.radii)
+    for poses in trial.poses:
+        found.look(poses)
+    return found
 
 
 def _lost(trial: Record) -> float | None:
@@ -141,7 +153,9 @@ MEASURES: dict[str, Measure] = {
     "tracking_rms_m": Measure(lambda t: rms(t.tracking), "m", "RMS of centre to path"),
     "tracking_max_m": Measure(lambda t: float(t.tracking.max()), "m", "largest centre to path"),
     "tracking_final_m": Measure(lambda t: float(t.tracking[-1]), "m", "final centre to path"),
-    "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least gap of two robots"),
+    "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least distance of two centres"),
+    "gap_m": Measure(lambda t: _contacts(t).gap, "m", "least gap of two robots"),
+    "contacts": Measure(lambda t: float(_contacts(t).count), "1", "pairs that came to touch"),
     "recovery_s": Measure(_recovery, "s", "time to recover", of_event=True),
     "event_max_m": Measure(_event_max, "m", "largest $|l_e|$ since the event", of_event=True),
     "age_median_s": Measure(lambda t: quantile(t.ages, 0.5), "s", "median age of the plans used"),

@@ -3,7 +3,7 @@
 docs/theory.md, section 11, has the equations. Numbers that are drawn per robot are uniform within +- the bound.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
@@ -109,6 +109,12 @@ class Bodies(Model):
     """Two bodies touch when their centres are closer than the sum of their radii [m]."""
     arena: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
     """[x_min, y_min, x_max, y_max] that robots must not leave [m]; only counted."""
+    limits: BodyLimits | None = None
+    """What the robots can do; stands for those keys of robots.limits that are not given."""
+    fit: Literal["scale", "refuse"] = "scale"
+    """What to do with a formation that is too narrow for a preset's robots (formation/scenario/fitting.py)."""
+    scaled: Positive = 1.0
+    """By which factor the scenario's lengths have been multiplied so that the robots fit."""
     localisation: Localisation = Localisation()
     relative: RelativeSensing = RelativeSensing()
     robots: tuple[RobotBody, ...] = ()
@@ -135,6 +141,19 @@ class Bodies(Model):
         if self.arena and not (self.arena[0] < self.arena[2] and self.arena[1] < self.arena[3]):
             raise ValueError("arena: expected [x_min, y_min, x_max, y_max]")
         return self
+
+    def of(self, robot: int) -> RobotBody:
+        """What differs in this robot."""
+        return next((entry for entry in self.robots if entry.robot == robot), RobotBody(robot=robot))
+
+    def radii(self, robots: int) -> list[float]:
+        """Of robots 1 to this one [m]."""
+        return [self.of(robot).radius or self.radius for robot in range(1, robots + 1)]
+
+    @property
+    def footprint(self) -> bool:
+        """Whether the preset is a robot of a known size."""
+        return "radius" in PRESETS[self.preset]
 
     @property
     def sees(self) -> bool:

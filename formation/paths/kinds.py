@@ -18,6 +18,7 @@ from formation.schema import Positive
 class Figure8(Path):
     """Reference path 1: a figure eight, x = s sin(2 rate t), y = s sin(rate t)."""
 
+    lengths = ("scale",)
     kind: Literal["figure8"]
     scale: Positive = 1.0
     """s [m]."""
@@ -36,6 +37,7 @@ class Figure8(Path):
 class Circle(Path):
     """Reference path 2: a circle, counter-clockwise from (radius, 0)."""
 
+    lengths = ("radius",)
     kind: Literal["circle"]
     radius: Positive = 0.8
     """[m]."""
@@ -54,6 +56,7 @@ class Circle(Path):
 class Sinusoid(Path):
     """Reference path 3: x = speed t, y = amplitude sin(rate t)."""
 
+    lengths = ("speed", "amplitude")
     kind: Literal["sinusoid"]
     speed: Positive = 0.1
     """[m/s]."""
@@ -69,6 +72,7 @@ class Sinusoid(Path):
 class Spiral(Path):
     """Reference path 4 with erratum 9 mended: growth t (cos(rate t), sin(rate t))."""
 
+    lengths = ("growth",)
     kind: Literal["spiral"]
     growth: Positive = 0.01
     """[m/s]."""
@@ -83,6 +87,7 @@ class Spiral(Path):
 class Corner(Path):
     """The second test: along y, then at time `at` a sharp turn of 45 degrees to the right."""
 
+    lengths = ("speed",)
     kind: Literal["corner"]
     speed: Positive = 0.1
     """Along y, and after the corner along x as well [m/s]."""
@@ -100,6 +105,7 @@ class Corner(Path):
 class Line(Path):
     """A straight line from the origin."""
 
+    lengths = ("speed",)
     kind: Literal["line"]
     speed: Positive = 0.1
     """[m/s]."""

@@ -1,5 +1,7 @@
 """What every reference path has, and its heading as the paper samples it."""
 
+from typing import ClassVar
+
 import numpy as np
 
 from formation.arrays import FloatArray
@@ -8,6 +10,9 @@ from formation.schema import Model
 
 class Path(Model):
     """What every path has."""
+
+    lengths: ClassVar[tuple[str, ...]] = ()
+    """Keys that are lengths or speeds: a path with all of them twice as large is twice as large, in the same time."""
 
     @property
     def period(self) -> float | None:

@@ -37,6 +37,7 @@ class Waypoints(Path, PointFile):
     Neighbouring points that repeat are one point, and so are the ends of a closed path.
     """
 
+    lengths = ("points", "speed", "speeds", "smoothing", "least_distance")
     kind: Literal["waypoints"]
     points: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=MAX_POINTS)]
     """[[x, y], ...] [m], or from a `file`."""

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from formation.errors import ScenarioError, unknown
 from formation.paths.files import text_of, with_files
+from formation.scenario.fitting import factor, scaled, too_narrow, with_limits
 from formation.scenario.overrides import Overrides, from_settings, merged
 from formation.scenario.scenario import Scenario
 from formation.schema import MAX_SCENARIO
@@ -82,8 +83,13 @@ def parse(
     table = merged(raw, overrides)
     if folder is not None:
         table = with_files(table, folder, where)
+    table = with_limits(table)
     try:
         scenario = Scenario.model_validate(table)
+        if (by := factor(scenario)) > 1.0:
+            if scenario.bodies.fit == "refuse":
+                raise ScenarioError(f"{where}: {too_narrow(scenario, by)}")
+            scenario = Scenario.model_validate(scaled(scenario, by))
     except ValidationError as error:
         lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
         raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None

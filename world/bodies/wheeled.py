@@ -15,7 +15,6 @@ import numpy as np
 from formation import unicycle
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal
-from formation.bodies.spec import RobotBody
 from formation.disturbances import Disturbance
 from formation.scenario.scenario import Scenario
 from world.bodies.draws import CONSTANT, MOTION, Draws, generator
@@ -135,7 +134,7 @@ def _spun(body: Constants, wheel: list[float], command: list[float], cap: float)
 def _constants(scenario: Scenario, known: Nominal, robot: int) -> Constants:
     """The body of one robot, with what is drawn for it from the seed."""
     bodies, dt = scenario.body, scenario.control_interval
-    own = next((entry for entry in bodies.robots if entry.robot == robot), RobotBody(robot=robot))
+    own = bodies.of(robot)
     drawn = generator(scenario.seed, CONSTANT, robot - 1).uniform(-1.0, 1.0, 3)
     lag = known.lag if own.lag is None else own.lag
     limits = own.limits or scenario.robots.limits

@@ -95,4 +95,4 @@ def test_the_share_of_lost_plans_is_over_all_links() -> None:
 
 def test_every_measure_has_its_unit_at_the_end_of_its_name() -> None:
     for name, measure in MEASURES.items():
-        assert name.endswith({"1": "_share"}.get(measure.unit, f"_{measure.unit}"))
+        assert name.endswith({"1": ("_share", "contacts")}.get(measure.unit, f"_{measure.unit}"))

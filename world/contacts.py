@@ -1,0 +1,77 @@
+"""Contacts and clearance of the bodies, commands at a limit, and robots outside the arena: counters, tick by tick."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.scenario.scenario import Scenario
+
+RELEASE = 0.002
+"""Two bodies that touch have to part by so much before they can come to touch again [m]: noise is not a contact."""
+AT_LIMIT = 1e-9
+"""A command so close to a limit stands at it [m/s, rad/s]."""
+
+
+class Contacts:
+    """Which bodies touch: those whose centres are closer than the sum of their radii."""
+
+    def __init__(self, radii: Sequence[float]) -> None:
+        """Nothing so far; radii (n,) of at least two bodies [m]."""
+        given = np.array(radii)
+        self._one, self._other = np.triu_indices(len(given), k=1)
+        self._sums: FloatArray = given[self._one] + given[self._other]
+        self._touching = np.zeros(len(self._one), dtype=bool)
+        self.count = 0
+        """Pairs that came to touch, so far."""
+        self.clearance = np.inf
+        """Least distance of two centres so far [m]."""
+        self.gap = np.inf
+        """Least distance of two bodies so far [m]; negative if they overlapped."""
+
+    def look(self, poses: FloatArray) -> list[tuple[int, int]]:
+        """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
+        apart = poses[self._one, :2] - poses[self._other, :2]
+        distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
+        gap = distance - self._sums
+        self.clearance, least = min(self.clearance, float(distance.min())), float(gap.min())
+        self.gap = min(self.gap, least)
+        if least >= RELEASE and not self._touching.any():
+            return []
+        new = (gap < 0.0) & ~self._touching
+        self._touching = (gap < 0.0) | (self._touching & (gap < RELEASE))
+        self.count += int(new.sum())
+        return [(int(self._one[at]) + 1, int(self._other[at]) + 1) for at in np.flatnonzero(new)]
+
+    def summary(self) -> dict[str, Any]:
+        """For the summary of the episode."""
+        return {"contacts": self.count, "clearance_m": self.clearance, "gap_m": self.gap}
+
+
+class Excursions:
+    """For how long each robot's command stood at a limit, and each robot outside the arena."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        robots = range(1, scenario.size + 1)
+        self._limits = np.array([_limits(scenario, robot) for robot in robots]) - AT_LIMIT
+        self._arena, self._dt = scenario.bodies.arena, scenario.control_interval
+        self._at_limit, self._outside = (np.zeros(scenario.size, dtype=int) for _ in range(2))
+
+    def add(self, inputs: FloatArray, poses: FloatArray) -> None:
+        """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
+        self._at_limit += (np.abs(inputs) >= self._limits).any(axis=1)
+        if self._arena is not None:
+            low, high = self._arena[:2], self._arena[2:]
+            self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)
+
+    def summary(self, robot: int) -> dict[str, Any]:
+        """Of one robot, for the summary of the episode [s]; None for the arena if there is none."""
+        outside = None if self._arena is None else int(self._outside[robot - 1]) * self._dt
+        return {"limit_s": int(self._at_limit[robot - 1]) * self._dt, "left_arena_s": outside}
+
+
+def _limits(scenario: Scenario, robot: int) -> tuple[float, float]:
+    """Of one robot's commands: those of its body, or of all robots, whichever are lower [m/s, rad/s]."""
+    of_all, own = scenario.robots.limits, scenario.bodies.of(robot).limits
+    return (of_all.v, of_all.omega) if own is None else (min(own.v, of_all.v), min(own.omega, of_all.omega))

@@ -9,7 +9,7 @@ from network.bus import Ask, Connection, Incoming, Presence, Publish, Query, Res
 from network.codec import decode, encode
 from network.control import Pause, request
 from network.memory_bus import Letter, MemoryBus, MemoryHub
-from network.messages import Reply, Request
+from network.messages import Reply, Request, State
 from network.throttled_log import ThrottledLog
 from tests.builders import state
 
@@ -25,8 +25,6 @@ def joined(hub: MemoryHub) -> tuple[MemoryBus, MemoryBus]:
 
 
 def seqs(items: list[Incoming]) -> list[float]:
-    from network.messages import State
-
     return [decode(State, item.payload).stamp for item in items if isinstance(item, Sample)]
 
 
@@ -92,7 +90,8 @@ def test_who_comes_and_goes_is_seen_by_who_watches_and_an_outage_loses_everybody
     assert watcher.arrivals() == [Connection(True), Presence("agent", 2, True)]
     hub.disconnect()
     assert watcher.arrivals() == [Presence("agent", 2, False), Connection(False)]
-    assert not (watcher.connected or agent.connected)
+    assert not watcher.connected
+    assert not agent.connected
     hub.connect(watcher)
     hub.connect(agent)
     arrived = watcher.arrivals()

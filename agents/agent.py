@@ -71,6 +71,7 @@ class Agent:
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
         self._said: Plan | None = None
         self._acting = 0.0
+        self._fresh = True
         self._solves: list[float] = []
 
     def _filter(self, scenario: Scenario) -> WindowEstimator:
@@ -109,18 +110,23 @@ class Agent:
     def step(self, tick: Tick) -> Answer:
         """Answer a tick; its number grows from call to call."""
         k, stamp = tick.seq, tick.stamp
+        if k > 0 and self._fresh:
+            self._pair.forget()
+        self._fresh = False
         for receiver in self._receivers:
-            if receiver.pop(stamp) and receiver is self._receivers[0]:
+            if receiver.pop(stamp):
                 plan = receiver.belief.plan
                 assert plan is not None
-                self._estimator.hear(plan)
+                self._pair.hear(plan.way, k + self._motors.delay)
+                if receiver is self._receivers[0]:
+                    self._estimator.hear(plan)
         self._measure(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
         plan, solve = None, 0.0
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
-            if own is None:  # who does not know where it is does not move
+            if own is None or not self._pair.knows:  # who does not know where it is, or the way, does not move
                 return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
             plan = self._said = self._plan(k, stamp, own)
             solve = perf_counter() - began
@@ -178,6 +184,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
+            pair.lost(at),
         )
         solution = self._controller.plan(observation)
         less = own.disturbance[[0, 2]] if self._compensates else np.zeros(2)
@@ -203,6 +210,8 @@ class Agent:
             odometry=self._estimator.odometry(),
             measurements=self._estimator.measurements(),
             news=solution.news,
+            way=pair.preview(k),
+            lost=observation.lost,
         )
 
     def _sighted(self, at: int, aged: NeighborEstimate) -> NeighborEstimate:
@@ -242,6 +251,8 @@ class Agent:
             rejected=rejected,
             pid=pid,
             converged=self._converged,
+            way_age=self._pair.way_age(k),
+            lost=self._said is not None and self._said.lost,
         )
 
     @property

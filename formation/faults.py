@@ -112,7 +112,7 @@ class ScheduledFault(Fault):
     until: Duration | None = None
     """Simulated time at which it ends [s]; never, if absent."""
     link: str = "all"
-    """A directed link such as "2->1", or "all" between robots."""
+    """A directed link such as "1->2", or "all" between robots."""
     preset: str | None = None
     """Start from this preset; keys beside it refine it."""
 

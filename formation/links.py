@@ -63,26 +63,33 @@ def _number(end: str) -> int:
     return WORLD if end == _NAME else int(end)
 
 
-def plan_links(robots: int) -> list[LinkId]:
-    """The ring's directed links, in the order of their senders: 1->2, 2->3, ..."""
-    return [LinkId.plans_from(robot, robots) for robot in range(1, robots + 1)]
+def plan_links(robots: int, *, both: bool = False) -> list[LinkId]:
+    """The ring's directed links, in the order of their senders: 1->2, 2->3, ...
+
+    Args:
+        robots: how many there are.
+        both: whether robots also hear their downstream neighbour: then also 2->1, 3->2, ...
+    """
+    ring = [LinkId.plans_from(robot, robots) for robot in range(1, robots + 1)]
+    back = [LinkId(link.receiver, link.sender) for link in ring] if both and robots > 2 else []
+    return ring + back
 
 
-def every_link(robots: int) -> list[LinkId]:
+def every_link(robots: int, *, both: bool = False) -> list[LinkId]:
     """All links that can be given a fault: the ring, and each robot's poses and commands."""
     own = [link for robot in range(1, robots + 1) for link in (LinkId.poses_to(robot), LinkId.commands_from(robot))]
-    return plan_links(robots) + own
+    return plan_links(robots, both=both) + own
 
 
-def links_named(name: str, robots: int) -> list[LinkId]:
+def links_named(name: str, robots: int, *, both: bool = False) -> list[LinkId]:
     """The links that `name` stands for: itself, or the ring's for "all".
 
     Raises:
         FaultError: there is no such link; the text lists them.
     """
     if name.strip() == "all":
-        return plan_links(robots)
-    links = every_link(robots)
+        return plan_links(robots, both=both)
+    links = every_link(robots, both=both)
     try:
         link = LinkId.parse(name)
     except FaultError:

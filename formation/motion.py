@@ -38,6 +38,10 @@ class Motion:
         """Positions (T, 2) [m] and headings (T,) [rad] of the path at times t (T,)."""
         return self.path.position(t), heading(self.path, t, self.interval)
 
+    def facing(self, t: FloatArray) -> FloatArray:
+        """Which way the formation faces at times t (T,): (T,) [rad]."""
+        return self._orientation.angle(t)
+
     def positions(self, t: FloatArray) -> FloatArray:
         """Positions of the slots at times t (T,): (T, n, 2) [m]."""
         turned = rotate(self._orientation.angle(t)[:, None], self.offsets.at(t))

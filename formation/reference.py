@@ -89,21 +89,18 @@ class Reference:
         """How late all robots are at time t, because they could not follow otherwise [s]."""
         return self._schedule.lag(t)
 
+    def preview(self, k: int) -> FloatArray:
+        """What robot 1 tells the others of the path at tick k: one horizon of rows as in formation/way.py."""
+        ticks = k + self._stride * np.arange(self._ahead // (HORIZONS * self._stride) + 1)
+        clock: FloatArray = self._tick * ticks.astype(float)
+        t = self._schedule.path_time(clock)
+        centre, theta = self._motion.centre(t)
+        return np.column_stack([ticks, t, centre, theta, self._motion.facing(t)])
+
     def _rows(self, first: int, count: int) -> Block:
-        interval = self._stride * self._tick
         t = self._schedule.path_time(timeline(first, first + count + self._stride, self._tick))
         centre, theta = self._motion.centre(t)
-        moved = centre[self._stride :] - centre[: -self._stride]
-        turned = wrapped(theta[self._stride :] - theta[: -self._stride])
-        slots = self._slots(t)
-        return Block(
-            first,
-            np.column_stack(
-                [centre[:count], theta[:count], np.hypot(moved[:, 0], moved[:, 1]) / interval, turned / interval]
-            ),
-            np.ascontiguousarray(slots[:count]),
-            _inputs(slots[: -self._stride], slots[self._stride :], interval),
-        )
+        return block_of(first, centre, theta, self._slots(t), self._stride, self._stride * self._tick)
 
     def _slots(self, t: FloatArray) -> FloatArray:
         """Slot poses (T, n, 3) at path times t (T,); within a slow step the headings turn steadily."""
@@ -115,6 +112,31 @@ class Reference:
             share = ((t[slow] - begin) / step)[:, None]
             slots[slow, :, 2] = before + share * wrapped(after - before)
         return slots
+
+
+def block_of(
+    first: int, centre: FloatArray, theta: FloatArray, slots: FloatArray, stride: int, interval: float
+) -> Block:
+    """The block that begins at tick `first`, and ends `stride` ticks before what is given.
+
+    Args:
+        first: its first tick.
+        centre: (T + stride, 2) of the formation [m].
+        theta: (T + stride,) heading of the path [rad].
+        slots: (T + stride, n, 3) [m, m, rad].
+        stride: ticks in one prediction interval.
+        interval: the same in seconds.
+    """
+    count = len(slots) - stride
+    moved = centre[stride:] - centre[:-stride]
+    turned = wrapped(theta[stride:] - theta[:-stride])
+    speed = np.hypot(moved[:, 0], moved[:, 1]) / interval
+    return Block(
+        first,
+        np.column_stack([centre[:count], theta[:count], speed, turned / interval]),
+        np.ascontiguousarray(slots[:count]),
+        _inputs(slots[:-stride], slots[stride:], interval),
+    )
 
 
 def _inputs(now: FloatArray, later: FloatArray, interval: float) -> FloatArray:

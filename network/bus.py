@@ -1,6 +1,6 @@
 """What a process needs of a network: the Bus, what comes in over it, and what a node may have sent.
 
-A node (agents/node.py, world/node.py, runtime/ghost/node.py) does no I/O. Its process is a loop of three steps: take
+A node (agents/node.py, world/node.py, runtime/ghost/process.py) does no I/O. Its process is a loop of three steps: take
 the arrivals from the bus, feed them to the node, perform the actions that the node returns. There are two buses:
 network/zenoh_bus.py between processes, and network/memory_bus.py inside one.
 """

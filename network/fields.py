@@ -69,6 +69,9 @@ Measurements = Annotated[FloatArray, PlainValidator(ArrayOf(9, empty=True))]
 """(m, 9) hop, tick, 1 if localised, x, y, theta, 1 if related, x, y."""
 News = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
 """(m, 4) robot row, need [s], its rate, tick."""
+Way = Annotated[FloatArray, PlainValidator(ArrayOf(6, empty=True))]
+"""(m, 6) tick, and there the path's time [s], x, y of the formation's centre [m], the path's heading, and which way the
+formation faces [rad]."""
 Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]

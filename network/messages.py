@@ -30,8 +30,9 @@ from network.fields import (
     Sums,
     Text,
     Velocity,
+    Way,
 )
-from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, STILL, Event, LinkCounts, Mode, RunStatus
+from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -104,6 +105,10 @@ class Plan:
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
     news: News = field(default_factory=lambda: NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
+    way: Way = field(default_factory=lambda: NO_WAY)
+    """The newest preview of the path that it knows; empty where every robot knows the path."""
+    lost: Flag = False
+    """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""
     __pydantic_config__ = STRICT
 
     @property
@@ -164,6 +169,10 @@ class Status:
     pid: Count
     converged: Flag = True
     """As in the Command of the same tick."""
+    way_age: NonNegative = 0.0
+    """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
+    lost: Flag = False
+    """As in Plan."""
     __pydantic_config__ = STRICT
 
 

@@ -62,7 +62,7 @@ TICK = Topic(
     "tick",
     (Tick,),
     "world",
-    "k, stamp, measured poses, who has planned, revision of faults and scenario",
+    "k, stamp, odometry and measurements, who has planned, revision of faults and scenario",
     pace="each control interval",
     reliable="lockstep",
     recorded=True,
@@ -72,7 +72,8 @@ PLAN = Topic(
     "robot/{id}/plan",
     (Plan,),
     "agent",
-    "pose, inputs (v, omega) over the horizon, how far it is behind the clock",
+    "pose, body velocities over the horizon, delay, estimated disturbance, raw measurements, who needs the others to "
+    "wait",
     pace="each planning tick",
     reliable="always",
     recorded=True,

@@ -41,6 +41,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"motion"},
         {"schedule"},
         {"reference", "feasibility"},
+        {"way"},
         {"scenario"},
     ],
     "network": [

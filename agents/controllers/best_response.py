@@ -73,7 +73,11 @@ class BestResponse:
     def plan(self, observation: Observation) -> Solution:
         pair, weights = self._pair, self._weights
         neighbours = (observation.upstream, observation.downstream)
-        waiting = self._waits.update(observation) if self._waits else False
+        waiting = False
+        if self._waits and observation.lost:
+            self._waits.rest(observation.k)
+        elif self._waits:
+            waiting = self._waits.update(observation)
         ahead = pair.ahead(observation.k)
         slots = np.ascontiguousarray(ahead.slots[:, 0])
         targets = np.ascontiguousarray(ahead.inputs[:, 0])
@@ -118,6 +122,8 @@ class BestResponse:
         """f_q of one neighbour."""
         if neighbour is None:
             return 0.0
+        if neighbour.plan is not None and neighbour.plan.lost != observation.lost:
+            return 0.0  # they follow different references: an edge between them means nothing
         age = neighbour.age if self._sources else math.inf
         if not (neighbour.seen or math.isfinite(age)):
             return 0.0

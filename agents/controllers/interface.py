@@ -59,6 +59,8 @@ class Observation:
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
     lag: float = 0.0
     """Time constant of the wheels [s]."""
+    lost: bool = False
+    """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

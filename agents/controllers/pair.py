@@ -9,9 +9,11 @@ from agents.kernels.unicycle import sample
 from agents.kernels.window_filter import Table
 from formation.arrays import FloatArray
 from formation.pattern import downstream, rotate, upstream
-from formation.reference import Block, Reference
+from formation.reference import Block
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
+from formation.way import HeardReference
+from network.values import NO_WAY
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +40,12 @@ class Pair:
         self.further = upstream(other, scenario.size)
         """The upstream neighbour of the upstream neighbour."""
         columns = [robot, other, self.further, downstream(robot, scenario.size)]
-        self.reference: Reference = scenario.reference(columns, rounded=spec_of(controller).rounds_corners)
+        rounded = spec_of(controller).rounds_corners
+        knows = robot == 1 or scenario.path.known_to == "all"
+        self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)
+        """The reference of a robot that is told the path; None if it knows it."""
+        self.reference = self.way or scenario.reference(columns, rounded=rounded)
+        self._tells = scenario.path.known_to == "leader"
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])
@@ -52,6 +59,33 @@ class Pair:
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None
         self._ahead: tuple[tuple[int, float, float], HorizonReference] | None = None
+
+    def hear(self, way: FloatArray, k: int) -> None:
+        """A neighbour's preview of the path came in; from tick k on it counts."""
+        if self.way is not None and self.way.hear(way, k):
+            self._ahead = self._table = None
+
+    def preview(self, k: int) -> FloatArray:
+        """The preview of the path that a plan of tick k carries, (m, 6) as network.messages.Plan has it."""
+        return self.reference.preview(k) if self._tells else NO_WAY
+
+    def forget(self) -> None:
+        """The robot begins in the middle of an episode: unless it knows the path, it waits for word of it."""
+        if self.way is not None:
+            self.way.forget()
+
+    @property
+    def knows(self) -> bool:
+        """Whether it has a reference to follow."""
+        return self.way is None or self.way.known
+
+    def way_age(self, k: int) -> float:
+        """How old its knowledge of the path is at tick k [s]."""
+        return self.way.age(k) if self.way is not None else 0.0
+
+    def lost(self, k: int) -> bool:
+        """Whether the robot does not know where the formation is at tick k."""
+        return self.way is not None and self.way.lost(k)
 
     def block(self, k: int) -> tuple[Block, int]:
         """The reference's block for tick k and the row of k in it. Column 0 is the robot, 1 its neighbour."""
@@ -84,6 +118,8 @@ class Pair:
         key = (k, self.lag, self.pace)
         if self._ahead is None or self._ahead[0] != key:
             at = self._row(k)
+            if self.way is not None and self.pace > 1.0:
+                self.way.block(math.ceil(at + (self.pace - 1.0) * self.horizon * self.stride))
             block, row = self.block(math.floor(at))
             slots, inputs = np.empty((self.horizon + 1, 4, 3)), np.empty((self.horizon, 4, 2))
             between = row + (at - math.floor(at))

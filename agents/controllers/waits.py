@@ -8,7 +8,7 @@ import numpy as np
 from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.pair import Pair
 from agents.kernels import waiting
-from agents.kernels.waiting import FRESH, LAG, NEED, PACE, RATE, WAITS, Self
+from agents.kernels.waiting import FRESH, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, Self
 from formation.arrays import FloatArray
 
 
@@ -66,6 +66,13 @@ class Waits:
         )
         pair.lag, pair.pace = float(state.real[LAG]), float(state.real[PACE])
         return bool(waiting.somebody(state, self._row, at, waits, pair.tick))
+
+    def rest(self, k: int) -> None:
+        """Declare no need at tick k: a lost robot would hold everybody back, and the clock runs on."""
+        real, whole = self.state.real, self.state.whole
+        real[NEED] = real[RATE] = real[INTEGRAL] = real[SHORT] = 0.0
+        whole[WAITS] = 0
+        self.state.news[self._row] = (0.0, 0.0, float(k))
 
     def _hear(self, neighbour: NeighborEstimate | None, at: float) -> bool:
         """Take a neighbour's news; whether its newest plan says that it waits."""

@@ -124,7 +124,7 @@ def sample(
         slots, inputs: tables (T, n, 3) and (T, n, 2).
         row: where the horizon begins; between rows is interpolated.
         stride: rows from one of its points to the next, at pace 1.
-        pace: how fast the reference is flown.
+        pace: rate of the reference time.
         out_slots: (N + 1, n, 3).
         out_inputs: (N, n, 2).
     """

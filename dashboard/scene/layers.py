@@ -116,7 +116,7 @@ def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float
     for row, plan in enumerate(plans):
         if plan is not None and len(plan.inputs) == steps:
             interval = plan.interval
-            gone = 0 if now is None else min(steps, max(0, int((now - plan.stamp) / interval)))
+            gone = 0 if now is None else min(steps, max(0, int((now - plan.begins) / interval)))
             inputs[row, : steps - gone] = plan.inputs[gone:]
             if now is None:
                 start[row] = plan.pose

@@ -1,6 +1,6 @@
 """What every reference path has, and its heading as the paper samples it."""
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from formation.schema import Model
 class Path(Model):
     """What every path has."""
 
+    known_to: Literal["all", "leader"] = "all"
+    """Who evaluates it: every robot, or robot 1 alone, whose preview the others pass on round the ring."""
     lengths: ClassVar[tuple[str, ...]] = ()
     """Keys that are lengths or speeds: a path with all of them twice as large is twice as large, in the same time."""
 

@@ -72,7 +72,7 @@ class PairGame(Weighted):
 
 
 class NashOptions(PairGame):
-    """Each robot computes the equilibrium of its pair's game and applies its own part."""
+    """Best response to the neighbours' plans along the edges, or (game = "pair") the equilibrium of the pair's game."""
 
     name: Literal["nash"] = "nash"
     game: Literal["response", "pair"] = "response"

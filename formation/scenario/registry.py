@@ -30,6 +30,8 @@ class ControllerSpec:
     """Whether it is one controller for all robots, which needs their true poses: no agent process can have it."""
     estimates: bool = True
     """Whether it gets estimates; else the newest measured pose as it is."""
+    needs_path: bool = False
+    """Whether every robot must know the path itself; else it also runs with path.known_to = "leader"."""
     rounds_corners: bool = True
     """Whether its references turn corners feasibly; else it follows the paper's, jumps included."""
 
@@ -41,11 +43,11 @@ class ControllerSpec:
 
 _SPECS = (
     ControllerSpec(NashOptions, "0072B2", ages_plans=True),
-    ControllerSpec(PaperOptions, "D55E00", estimates=False, rounds_corners=False),
-    ControllerSpec(LeaderFollowerOptions, "CC79A7", estimates=False, rounds_corners=False),
-    ControllerSpec(VirtualStructureOptions, "009E73"),
+    ControllerSpec(PaperOptions, "D55E00", estimates=False, needs_path=True, rounds_corners=False),
+    ControllerSpec(LeaderFollowerOptions, "CC79A7", estimates=False, needs_path=True, rounds_corners=False),
+    ControllerSpec(VirtualStructureOptions, "009E73", needs_path=True),
     ControllerSpec(ConsensusOptions, "E69F00", ages_plans=True),
-    ControllerSpec(CentralisedOptions, "222222", in_process_only=True, estimates=False),
+    ControllerSpec(CentralisedOptions, "222222", in_process_only=True, estimates=False, needs_path=True),
 )
 CONTROLLERS: dict[str, ControllerSpec] = {spec.name: spec for spec in _SPECS}
 DEFAULT = _SPECS[0].name
@@ -54,6 +56,10 @@ NAMES = tuple(CONTROLLERS)
 IN_PROCESS = tuple(name for name, spec in CONTROLLERS.items() if spec.in_process_only)
 LIVE = tuple(name for name in NAMES if name not in IN_PROCESS)
 """What can run as processes."""
+
+
+TOLD = tuple(name for name, spec in CONTROLLERS.items() if not spec.needs_path)
+"""What can run where robot 1 alone knows the path."""
 
 
 def spec_of(options: ControllerOptions) -> ControllerSpec:

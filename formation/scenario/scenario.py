@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Union
 
 import numpy as np
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
@@ -24,9 +24,11 @@ from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
-from formation.scenario.registry import CONTROLLERS, DEFAULT
+from formation.scenario.estimator import Estimator
+from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
+from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000
 """Ticks of one episode: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
@@ -54,7 +56,7 @@ class StartNoise(Model):
 
 
 class Robots(Model):
-    """The bodies: start poses and limits."""
+    """Start poses, start noise and input limits."""
 
     poses: list[Triple] | None = None
     """Start poses [m, m, rad]; in formation if absent."""
@@ -90,23 +92,6 @@ else:
     ]
 
 
-class Estimator(Model):
-    """What an agent makes of measurements, before any controller sees them (docs/theory.md, section 12)."""
-
-    enabled: bool = True
-    """Filter measurements; without, a controller gets the newest measured pose, carried on along odometry."""
-    disturbances: bool = True
-    """Detect and estimate disturbances of the body velocity, and compensate for them."""
-    relative: bool = True
-    """Use relative sensing, where the bodies have it."""
-    window: Annotated[int, Field(ge=1, le=3)] = 2
-    """Robots in one filter: the own one, the upstream neighbour, and that one's (where robots see each other)."""
-    delay: Duration | Literal["learn", "nominal"] = "learn"
-    """From a command to its effect [s]: learnt, that of [bodies], or a number."""
-    lag: Duration | Literal["learn", "nominal"] = "nominal"
-    """Time constant of the wheels [s], likewise."""
-
-
 class Lockstep(Model):
     """How a lockstep run, in which the world waits for every agent, deals with one that does not answer."""
 
@@ -132,7 +117,7 @@ class Scenario(Model):
     noise: Noise = Noise()
     controller: AnyController = NashOptions()
     bodies: Bodies = Bodies()
-    """The robots: how they follow commands, and what is measured of them."""
+    """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
     link: Fault = Fault()
@@ -143,6 +128,11 @@ class Scenario(Model):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
+        if self.path.known_to == "leader" and spec_of(self.controller).needs_path:
+            raise ValueError(
+                f"path.known_to: {self.controller.name} needs the path in every robot: expected all, or a controller "
+                f"that follows what it is told ({', '.join(TOLD)})"
+            )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:
             raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
@@ -159,7 +149,7 @@ class Scenario(Model):
             )
         for index, fault in enumerate(self.faults):
             try:
-                links_named(fault.link, self.size)
+                links_named(fault.link, self.size, both=self.controller.uses_downstream)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
         if self.noise.model_fields_set & self.bodies.model_fields_set or (
@@ -235,6 +225,16 @@ class Scenario(Model):
         return Reference(
             self._motion(None if robots is None else list(robots), rounded=rounded),
             self._schedule,
+            control_interval=self.control_interval,
+            stride=self.stride,
+            horizon=self.controller.horizon,
+        )
+
+    def heard_reference(self, robots: Iterable[int], *, rounded: bool = False) -> HeardReference:
+        """The reference of robots that are told the path; arguments as of `reference`."""
+        return HeardReference(
+            self._offsets.rows(list(robots)),
+            self.reference([1], rounded=rounded).preview(0),
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,

@@ -15,6 +15,7 @@ from formation.scenario.scenario import Scenario
 NAMES = [
     "circle",
     "figure8",
+    "follow-the-leader",
     "hexagon-sinusoid",
     "ring-16",
     "sinusoid",

@@ -1,0 +1,212 @@
+"""The reference of robots that do not know the path, from the previews of those that do (docs/theory.md, Way).
+
+Robot 1 sends where the formation's centre will be over one horizon; the others pass the newest preview on. A robot
+builds its slots from it as formation/motion.py does from the path. Beyond the preview it goes on along an arc, and
+stops when the preview has been over for long. A newer preview then leads back without a jump: the gap between the two
+references fades like a critically damped spring.
+"""
+
+import math
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.metrics import wrapped
+from formation.motion import SLOW
+from formation.offsets import Offsets
+from formation.pattern import rotate
+from formation.reference import BEHIND_TICKS, BLOCK_TICKS, Block, block_of
+
+TICK, TIME, X, Y, THETA, FACING = range(6)
+"""Columns of a preview, (m, 6); its rows are one prediction interval apart."""
+HOLD, BRAKE = 1.0, 1.0
+"""How long a robot drives on beyond its preview, and how long it then takes to stop [s]."""
+TURN = 1.0
+"""The arc beyond a preview turns no faster, though a corner were its end [rad/s]."""
+RETURN = 1.5
+"""Rate at which the gap to a newer preview closes [1/s]."""
+SPARE = 50
+"""Ticks that are computed beyond those that are asked for, while nothing is heard."""
+CLOSED = 1e-6
+"""A gap below this is none [m, rad, s]."""
+BACK = 0.005
+"""A robot that is this near to the place that its newest preview gives it is not lost any more [m]."""
+
+
+class HeardReference:
+    """The reference of some robots by tick, as Reference; but from what was heard, so it changes when more is heard."""
+
+    def __init__(
+        self, offsets: Offsets, start: FloatArray, *, control_interval: float, stride: int, horizon: int
+    ) -> None:
+        """A robot that knows the preview with which the episode begins.
+
+        Args:
+            offsets: of the robots wanted.
+            start: preview of tick 0.
+            control_interval: delta_t [s].
+            stride: ticks in one prediction interval.
+            horizon: N.
+        """
+        self._offsets, self._tick, self._stride = offsets, control_interval, stride
+        self._ahead = stride * (horizon + 1)
+        self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
+        self._take(start)
+        self.known = True
+        """Whether there is anything to follow."""
+        self._filled = 0
+        self._block = self._empty(0)
+        self._fill(0, self._ahead)
+
+    @property
+    def end(self) -> int:
+        """Tick at which the newest preview ends."""
+        return int(self.newest[-1, TICK])
+
+    def lost(self, k: int) -> bool:
+        """Whether at tick k the preview is over, or a newer one is not reached yet."""
+        gap = self._gap_at(np.array([k]))[0]
+        return k > self.end or math.hypot(gap[X - 1], gap[Y - 1]) > BACK
+
+    def forget(self) -> None:
+        """Nothing is known: the robot begins in the middle of an episode."""
+        self.known = False
+
+    def hear(self, preview: FloatArray, k: int) -> bool:
+        """Take a preview, if it is newer than what is known; from tick k on it counts. Returns whether it did."""
+        if preview.shape != self.newest.shape or preview[0, TICK] <= self.newest[0, TICK]:
+            return False
+        steps = np.diff(preview[:, TICK])
+        if np.any(steps != self._stride) or not 0 <= preview[0, TICK] <= k:
+            return False
+        if k > self._filled:
+            self._fill(self._filled, k)
+        whole, old_end = self.known and not self._returning, self.end
+        at = np.array([k, k + 1])
+        before = self._centre(at)
+        self._take(preview)
+        self._joined, self._gap, self._slope = k, np.zeros(5), np.zeros(5)
+        if self.known:
+            apart = before - self._centre(at)
+            turns = slice(THETA - 1, None)
+            apart[:, turns] = wrapped(apart[:, turns])
+            if np.abs(apart).max() > CLOSED:
+                self._gap = apart[0]
+                self._slope = apart[1] * math.exp(RETURN * self._tick) - apart[0]
+        self.known = True
+        # What both previews have stays, unless a gap was closed or is to be.
+        same = whole and not self._returning
+        self._fill(min(max(k, old_end - 3 * self._stride), self._filled) if same else k, k + self._ahead)
+        return True
+
+    def block(self, k: int) -> Block:
+        """The block that holds ticks k .. k + stride * (horizon + 1). It changes with what is heard."""
+        if k + self._ahead > self._filled:
+            self._fill(self._filled, k + self._ahead + SPARE)
+        return self._block
+
+    def preview(self, k: int) -> FloatArray:
+        """What the robot passes on: the newest preview that it knows, (m, 6), empty if none."""
+        return self.newest if self.known else self.newest[:0]
+
+    def age(self, k: int) -> float:
+        """How long ago robot 1 sent what is known at tick k [s]."""
+        return max(0.0, k - float(self.newest[0, TICK])) * self._tick
+
+    def _take(self, preview: FloatArray) -> None:
+        self.newest = preview
+        self._nodes = preview[:, TIME:].copy()
+        self._nodes[:, THETA - 1 :] = np.unwrap(self._nodes[:, THETA - 1 :], axis=0)
+
+    @property
+    def _returning(self) -> bool:
+        return bool(self._gap.any() or self._slope.any())
+
+    def _gap_at(self, ticks: FloatArray) -> FloatArray:
+        """What is left of the gap (T, 5) at these ticks (T,)."""
+        passed = (ticks - self._joined)[:, None]
+        return (self._gap + self._slope * passed) * np.exp(-RETURN * self._tick * passed)
+
+    def _centre(self, ticks: FloatArray) -> FloatArray:
+        """Path time, x, y, path's heading and facing (T, 5) at ticks (T,): preview, arc beyond it, and gap."""
+        found = self._inside(ticks)
+        beyond = ticks > self.end
+        if beyond.any():
+            found[beyond] = self._beyond((ticks[beyond] - self.end) * self._tick)
+        return found + self._gap_at(ticks) if self._returning else found
+
+    def _inside(self, ticks: FloatArray) -> FloatArray:
+        """Cubics through the preview's rows, (T, 5)."""
+        nodes, last = self._nodes, len(self._nodes) - 1
+        at = np.clip((ticks - self.newest[0, TICK]) / self._stride, 0.0, float(last))
+        j = np.minimum(at.astype(int), last - 1)
+        s = (at - j)[:, None]
+        first = np.clip(j - 1, 0, last - 3)
+        u = s + (j - first)[:, None]
+        # Lagrange's cubic through the nodes 0, 1, 2, 3 around.
+        return np.asarray(
+            -(u - 1) * (u - 2) * (u - 3) / 6 * nodes[first]
+            + u * (u - 2) * (u - 3) / 2 * nodes[first + 1]
+            - u * (u - 1) * (u - 3) / 2 * nodes[first + 2]
+            + u * (u - 1) * (u - 2) / 6 * nodes[first + 3]
+        )
+
+    def _beyond(self, after: FloatArray) -> FloatArray:
+        """Along the arc of the preview's last two intervals, and to a stop; (T, 5) at times after its end (T,) [s]."""
+        nodes, interval = self._nodes, self._stride * self._tick
+        braking = np.clip(after - HOLD, 0.0, BRAKE)
+        s: FloatArray = np.minimum(after, HOLD) + braking - braking**2 / (2.0 * BRAKE)
+        chords = np.diff(nodes[-3:, X - 1 : Y], axis=0)
+        angles = np.arctan2(chords[:, 1], chords[:, 0])
+        most = TURN * interval
+        turn = float(np.clip(wrapped(angles[1:] - angles[:1])[0], -most, most))
+        step = nodes[-1] - nodes[-2]
+        step[THETA - 1 :] = np.clip(step[THETA - 1 :], -most, most)
+        speed = math.hypot(*chords[1]) / (interval * np.sinc(turn / (2.0 * np.pi)))
+        half = turn * s / (2.0 * interval)
+        direction = angles[1] + turn / 2.0 + half
+        way = speed * s * np.sinc(half / np.pi)
+        found: FloatArray = nodes[-1] + (s / interval)[:, None] * step
+        found[:, X - 1] = nodes[-1, X - 1] + way * np.cos(direction)
+        found[:, Y - 1] = nodes[-1, Y - 1] + way * np.sin(direction)
+        return found
+
+    def _empty(self, first: int) -> Block:
+        rows = BEHIND_TICKS + BLOCK_TICKS
+        n = self._offsets.size
+        return Block(first, np.zeros((rows, 5)), np.zeros((rows, n, 3)), np.zeros((rows, n, 2)))
+
+    def _fill(self, begin: int, end: int) -> None:
+        """Compute the rows of ticks begin .. end - 1 anew."""
+        if end - self._block.first > len(self._block.slots):
+            self._move(begin - BEHIND_TICKS)
+        ticks: FloatArray = np.arange(begin - 1, end + self._stride + 1, dtype=float)
+        centre = self._centre(ticks)
+        new = block_of(
+            begin,
+            centre[1:-1, X - 1 : Y],
+            centre[1:-1, THETA - 1],
+            self._slots(centre),
+            self._stride,
+            self._stride * self._tick,
+        )
+        rows = slice(begin - self._block.first, end - self._block.first)
+        self._block.centre[rows], self._block.slots[rows], self._block.inputs[rows] = new.centre, new.slots, new.inputs
+        self._filled = end
+
+    def _move(self, first: int) -> None:
+        """A block that begins later, with the rows that both have."""
+        old, self._block = self._block, self._empty(first)
+        kept = slice(first - old.first, self._filled - old.first)
+        count = self._filled - first
+        for name in ("centre", "slots", "inputs"):
+            getattr(self._block, name)[:count] = getattr(old, name)[kept]
+
+    def _slots(self, centre: FloatArray) -> FloatArray:
+        """Slot poses (T, n, 3) of rows (T + 2, 5): where they are, and the direction in which they move."""
+        places = centre[:, None, X - 1 : Y] + rotate(centre[:, None, FACING - 1], self._offsets.at(centre[:, TIME - 1]))
+        velocity = (places[2:] - places[:-2]) / (2.0 * self._tick)
+        theta = centre[1:-1, None, THETA - 1]
+        body = rotate(-theta, velocity)
+        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+        return np.concatenate([places[1:-1], (theta + drift)[..., None]], axis=-1)

@@ -64,6 +64,8 @@ class AgentNode:
         """Episode, seq and stamp of the newest tick that was believed."""
         self._repeated = False
         self._answers: list[Answer] = []
+        self._status_of: Tick | None = None
+        """The answered tick of which a status is due."""
         self._last_status: Status | None = None
         """Of the episode's last tick; like an answer, it may be lost."""
         self._answered = -1
@@ -74,6 +76,8 @@ class AgentNode:
     @property
     def patience(self) -> float:
         """Feed it again after this long [s], if nothing arrives before."""
+        if self._status_of is not None:
+            return 0.0
         return ASK_SECONDS if self.state in (State.NEW, State.ASKING) else 0.5
 
     def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
@@ -86,6 +90,8 @@ class AgentNode:
         Returns:
             What is to be done, in order.
         """
+        if self._status_of is not None:
+            self._publish_status(self._status_of)
         for item in arrivals:
             try:
                 if isinstance(item, Sample):
@@ -249,7 +255,15 @@ class AgentNode:
         self._publish(answer)
         if now >= self._status_at or tick.last:
             self._status_at = now + STATUS_INTERVAL
-            status = agent.status(tick.seq, tick.stamp, missed=self._missed, rejected=self.rejected, pid=self._pid)
+            self._status_of = tick
+
+    def _publish_status(self, tick: Tick) -> None:
+        """After the answer has gone out: nobody waits for a status, and it takes longer than an answer."""
+        self._status_of = None
+        if self._agent is not None:
+            status = self._agent.status(
+                tick.seq, tick.stamp, missed=self._missed, rejected=self.rejected, pid=self._pid
+            )
             self._actions.append(Publish(self._status_key, status))
             self._last_status = status if tick.last else None
 

@@ -1,9 +1,9 @@
 """The states of an AgentNode, as a table: what it does depends on its state and on what it finds, on nothing else."""
 
-from enum import Enum
+from enum import StrEnum
 
 
-class State(Enum):
+class State(StrEnum):
     """What the node waits for."""
 
     NEW = "the first Setup"
@@ -12,7 +12,7 @@ class State(Enum):
     BLOCKED = "the upstream neighbour's plan of the tick before"
 
 
-class Event(Enum):
+class Event(StrEnum):
     """What the node finds when it looks at the newest tick and at what it has."""
 
     NOTHING = "there is no tick that is not answered"
@@ -21,7 +21,7 @@ class Event(Enum):
     READY = "everything is there"
 
 
-class Output(Enum):
+class Output(StrEnum):
     """What the node does."""
 
     NONE = ""

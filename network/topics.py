@@ -6,6 +6,7 @@ it. A new topic is a line of TOPICS and a message in network/messages.py.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 from network.messages import Command, Ghost, Plan, Reply, Request, Setup, State, Status, Tick
@@ -180,6 +181,7 @@ def _fits(topic: Topic, parts: list[str]) -> bool:
     )
 
 
+@lru_cache(maxsize=1024)
 def robot_of(key: str) -> int | None:
     """The robot in a key `.../robot/{id}/...` or `.../alive/agent/{id}`; None if there is none."""
     parts = key.split("/")

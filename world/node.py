@@ -20,6 +20,8 @@ from world.run_control import RunControl
 from world.states import OUT, TABLE, Event, Phase
 from world.world import World
 
+STATE_INTERVAL = topics.STATE.interval
+"""Between two states for displays [s]."""
 IDLE_SECONDS = 0.02
 """Between two looks while simulated time stands still [s]."""
 RESEND_SECONDS = 0.1
@@ -75,7 +77,7 @@ class WorldNode:
     def patience(self, now: float) -> float:
         """Feed it again after this long [s], if nothing arrives before."""
         if self.phase in (Phase.ASK, Phase.CALL):
-            return IDLE_SECONDS if self._requests else topics.STATE.interval
+            return IDLE_SECONDS if self._requests else STATE_INTERVAL
         if self.phase in (Phase.DRIVE, Phase.PACE):
             return min(max(0.0, self._pace.left(now)), IDLE_SECONDS)
         return IDLE_SECONDS
@@ -98,7 +100,8 @@ class WorldNode:
         self._roster.settle(self._running)
         self._note_changes()
         while True:
-            self._obey(now)
+            if self._requests:
+                self._obey(now)
             if not self._advance(now):
                 break
         self._publish_state(now)
@@ -111,8 +114,10 @@ class WorldNode:
         return self._hand_over()
 
     def _hand_over(self) -> list[Action]:
-        actions, self._actions = [*self._requests.actions, *self._actions], []
-        self._requests.actions.clear()
+        actions, self._actions = self._actions, []
+        if self._requests.actions:
+            actions = [*self._requests.actions, *actions]
+            self._requests.actions.clear()
         self._orders.rejected += sum(isinstance(action, Reject) for action in actions)
         return actions
 
@@ -127,15 +132,14 @@ class WorldNode:
             case Phase.ASK | Phase.CALL:
                 calling = self.phase is Phase.CALL
                 if bool(self._commands) if calling else self._awaited <= self._commands.keys():
-                    commands = {robot: self._commands[robot] for robot in sorted(self._commands)}
-                    self._end_tick(commands, now)
+                    self._end_tick(dict(sorted(self._commands.items())), now)
                     self._pace.next(world.scenario.control_interval, now)
                     return True
                 self._wait()
                 return False
             case Phase.DRIVE | Phase.PACE:
                 left = self._pace.left(now)
-                if left > 0.0 and not (self._requests and left > topics.STATE.interval):
+                if left > 0.0 and not (self._requests and left > STATE_INTERVAL):
                     return False
                 if self.phase is Phase.DRIVE:
                     self._pace.note_overrun(world.scenario.control_interval, now)
@@ -225,7 +229,7 @@ class WorldNode:
                 try:
                     self._take_sample(key, payload)
                 except WireError as error:
-                    self._reject(key, error)
+                    self._actions.append(Reject(key, str(error)))
             case Query():
                 self._requests.receive(item, self._running)
             case Presence("agent", robot, here):
@@ -258,15 +262,12 @@ class WorldNode:
     def _take_command(self, command: Command) -> None:
         """In lockstep: for the tick that is out, of a robot that was not lost meanwhile."""
         robot, tick = command.sender, self._tick
-        if command.seq >= self._failed_at.get(robot, 0):
+        if robot not in self._world.live and command.seq >= self._failed_at.get(robot, 0):
             self._roster.speaks(robot)
         if self.phase not in OUT or tick is None or command.seq != tick.seq or robot in tick.gone:
             return
         if robot in self._world.live:
             self._commands.setdefault(robot, command)
-
-    def _reject(self, key: str, error: WireError) -> None:
-        self._actions.append(Reject(key, str(error)))
 
     # ------------------------------------------------------------------ what users ask and see
 
@@ -281,7 +282,7 @@ class WorldNode:
     def _publish_state(self, now: float) -> None:
         if now < self._state_at or self.phase is Phase.LAST:
             return
-        self._state_at = now + topics.STATE.interval
+        self._state_at = now + STATE_INTERVAL
         self._states += 1
         late = self.phase is Phase.ASK and self._running - self._asked_at > SHOWN_SECONDS
         waited = self._awaited - self._commands.keys() if late else set()

@@ -4,7 +4,7 @@ An agent is gone when its liveliness token is. If the router goes, every token d
 has stood still, tokens that are missing are waited for. All times are the world's own running time [s].
 """
 
-from enum import Enum
+from enum import StrEnum
 
 from formation.errors import EchelonError
 from world.world import World
@@ -17,7 +17,7 @@ NOTED_SECONDS = 1.0
 """A standstill of the world is an event if it lasts this long [s]; tokens live that long without a sign."""
 
 
-class Agent(Enum):
+class Agent(StrEnum):
     """What the world knows of an agent. PRESENT and MISSING agents of the scenario are the live ones."""
 
     ABSENT = "no token, not live"
@@ -26,7 +26,7 @@ class Agent(Enum):
     FAILED = "token, not live: it did not answer within the patience"
 
 
-class Change(Enum):
+class Change(StrEnum):
     """What changes that."""
 
     APPEARS = "its token appears"
@@ -175,6 +175,8 @@ class AgentPresence:
 
     def settle(self, now: float) -> None:
         """Count agents that have been missing for long enough as lost."""
+        if self._doubt is None and not self._suspects:
+            return
         if self._doubt is not None:
             earliest, latest = self._doubt
             back = now >= earliest and all(self._has_token(robot) for robot in self._world.live)

@@ -39,15 +39,15 @@ class RunControl:
         world = self._world
         if world.finished:
             return "finished"
-        expected = set(self._roster.missing) - set(self._roster.dismissed)
-        if not world.live or (world.k == 0 and expected):
+        if not world.live or (world.k == 0 and set(self._roster.missing) - set(self._roster.dismissed)):
             return "waiting"
         return "running" if self._go else "paused"
 
     @property
     def active(self) -> bool:
         """Whether the next tick may be sent."""
-        return self.status == "running" or (self.status == "paused" and self._ticks_left > 0)
+        status = self.status
+        return status == "running" or (status == "paused" and self._ticks_left > 0)
 
     @property
     def calling(self) -> bool:

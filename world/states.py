@@ -1,9 +1,9 @@
 """The phases of a WorldNode, as a table: which follows on which event."""
 
-from enum import Enum
+from enum import StrEnum
 
 
-class Phase(Enum):
+class Phase(StrEnum):
     """What the node waits for. A tick is out in ASK, CALL and DRIVE."""
 
     HOLD = "something to simulate: live agents, a start, the next tick's time"
@@ -14,7 +14,7 @@ class Phase(Enum):
     LAST = "the last statuses of the episode; its last tick is repeated"
 
 
-class Event(Enum):
+class Event(StrEnum):
     """What leads to another phase."""
 
     ASKED = "lockstep: a tick went out to live agents"

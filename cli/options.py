@@ -18,11 +18,9 @@ from runtime.run_registry import find
 DEFAULT_SCENARIO = "triangle-circle"
 
 
-def add_scenario(parser: argparse.ArgumentParser) -> None:
-    """The scenario, and its differences from the file."""
-    parser.add_argument(
-        "scenario", nargs="?", default=DEFAULT_SCENARIO, help=f"name or TOML file (default: {DEFAULT_SCENARIO})"
-    )
+def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
+    """The scenario, by default `default`, and its differences from the file."""
+    parser.add_argument("scenario", nargs="?", default=default, help=f"name or TOML file (default: {default})")
     parser.add_argument("--controller", help=", ".join(NAMES))
     parser.add_argument("--faults", metavar="PRESET|FILE", help=f"{', '.join(PRESETS)}, or a TOML file with [[faults]]")
     parser.add_argument("--bodies", metavar="PRESET", help=", ".join(BODIES))

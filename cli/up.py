@@ -11,12 +11,14 @@ from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
 
 DEFAULT_PORT = 8090
+DEFAULT_SCENARIO = "follow-the-leader"
+"""Where a cut link is seen at once: without messages nobody but robot 1 knows where to go."""
 LOOPBACK = "127.0.0.1"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
-    add_scenario(parser)
+    add_scenario(parser, DEFAULT_SCENARIO)
     parser.add_argument("--run", metavar="NAME", help="name of the run (default: the scenario's)")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"of the page (default: {DEFAULT_PORT}; 0: any)")
     parser.add_argument(

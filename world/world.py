@@ -230,6 +230,7 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
 
     def _events_of_episode(self) -> list[Event]:

@@ -136,6 +136,15 @@ def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int)
     assert run.finish() == expected(plan_every)
 
 
+def test_robots_that_are_told_the_path_drive_alike_in_both_engines() -> None:
+    """Told, cut off for longer than the preview, and told again: the same bits."""
+    fault = "faults=[{at=0.1, until=4.4, link='1->2', cut=true}, {link='2->3', latency=0.05, loss=0.1}]"
+    told = load("follow-the-leader", ["duration=4.6", fault])
+    assert told.path.known_to == "leader"
+    run = MemoryRun(told, Weather())
+    assert run.finish() == inprocess.simulate(told)["trajectory_sha256"]
+
+
 @law
 @given(weathers, histories, st.lists(moments, min_size=1, max_size=3))
 def test_an_episode_begun_anew_is_a_whole_one(weather: Weather, history: list[Any], resets: list[float]) -> None:

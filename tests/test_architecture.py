@@ -102,7 +102,7 @@ CLOCKS = {
     "world/process.py",
 }
 """Who may read the wall clock: processes, and what paces or watches them. Everything else decides without it."""
-CLOCK_FREE_RUNTIME = {"runtime/inprocess.py", "runtime/ghost/shadow.py"}
+CLOCK_FREE_RUNTIME = {"runtime/inprocess.py", "runtime/ghost/node.py", "runtime/ghost/shadow.py"}
 """Of the room that starts processes, the part that simulates without any."""
 MEASURES_SOLVES = {"agents/agent.py": {"perf_counter"}, "runtime/inprocess.py": {"perf_counter"}}
 """How long something took may be measured; it decides nothing."""

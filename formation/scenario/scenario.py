@@ -96,8 +96,7 @@ class Lockstep(Model):
     """How a lockstep run, in which the world waits for every agent, deals with one that does not answer."""
 
     patience: Annotated[Duration, Field(gt=0.0)] = 30.0
-    """An agent that is there but does not answer for this long is no longer waited for, until it answers again
-    [s of the world's own running time]."""
+    """An agent with a token that is silent for longer is declared failed, until it answers again [s the world ran]."""
 
 
 class Scenario(Model):

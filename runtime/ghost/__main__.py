@@ -7,7 +7,7 @@ import sys
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
 from network.zenoh_bus import ZenohBus
-from runtime.ghost.process import GhostNode
+from runtime.ghost.process import run
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -18,8 +18,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s ghost: %(message)s", stream=sys.stderr)
     try:
-        with ZenohBus(options.connect, options.run) as session:
-            GhostNode(session, Lifetime()).run()
+        with ZenohBus(options.connect, options.run) as bus:
+            run(bus, Lifetime(bus.wake))
     except EchelonError as error:
         print(f"ghost: {error}", file=sys.stderr)
         return 2

@@ -50,7 +50,7 @@ class Ears:
 
 
 def test_the_ghost_of_the_live_controller_is_the_live_episode_through_faults_and_resets(up: Start) -> None:
-    run = up("--no-dashboard", "--set", "noise.slip=0.1", "--set", "link.loss=0.2")
+    run = up("triangle-circle", "--no-dashboard", "--set", "noise.slip=0.1", "--set", "link.loss=0.2")
     run.running()
     endpoint = find("test").endpoint
     with ZenohBus(endpoint, "test") as session:

@@ -86,9 +86,11 @@ def _die_with_parent() -> None:
 
 
 class Up:
-    """`echelon up` in a process of its own."""
+    """`echelon up` in a process of its own, of three robots on ideal bodies unless the words name a scenario."""
 
     def __init__(self, folder: Path, *words: str) -> None:
+        if not words or words[0].startswith("-"):
+            words = ("triangle-circle", *words)
         self.folder = folder
         self.log = (folder / "up.log").open("w+")
         self.process = subprocess.Popen(

@@ -6,6 +6,7 @@ import os
 import random
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from runtime import inprocess
 from runtime.process_list import Plan, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
-from tests.processes.live import echelon, wait_for
+from tests.processes.live import echelon, processes, wait_for
 
 pytestmark = [pytest.mark.processes, pytest.mark.usefixtures("runs")]
 
@@ -101,6 +102,27 @@ def test_a_loaded_machine_changes_nothing() -> None:
         for burner in burners:
             burner.kill()
             burner.wait()
+
+
+def test_a_run_of_which_every_process_is_suspended_for_seven_seconds_is_the_same(runs: Path) -> None:
+    """As Ctrl-Z and fg do, or a container that is paused: longer than the leases, and than people wait for an agent."""
+    name, settings = "triangle-circle", ["faults=[{preset='bursty'}]", "duration=20"]
+
+    def suspend(session: ZenohBus) -> None:
+        session.subscribe(topics.state("lockstep"))
+        wait_for(lambda: [item for item in session.arrivals() if isinstance(item, Sample)])
+        stopped = processes(runs)
+        assert len(stopped) >= 5
+        for process in stopped:
+            process.suspend()
+        time.sleep(7.0)
+        for process in stopped:
+            process.resume()
+
+    alone = inprocess.simulate(load(name, from_settings(settings)))
+    together = simulate(name, settings, disturb=suspend)
+    assert together["trajectory_sha256"] == alone["trajectory_sha256"]
+    assert any("stood still" in event["text"] for event in together["events"])
 
 
 def test_garbage_on_every_topic_is_counted_and_changes_nothing() -> None:

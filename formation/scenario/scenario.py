@@ -25,6 +25,7 @@ from formation.pattern import Pattern, pattern
 from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
 from formation.scenario.estimator import Estimator
+from formation.scenario.lockstep import Lockstep
 from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
@@ -90,13 +91,6 @@ else:
         Field(discriminator="name"),
         BeforeValidator(_named),
     ]
-
-
-class Lockstep(Model):
-    """How a lockstep run, in which the world waits for every agent, deals with one that does not answer."""
-
-    patience: Annotated[Duration, Field(gt=0.0)] = 30.0
-    """An agent with a token that is silent for longer is declared failed, until it answers again [s the world ran]."""
 
 
 class Scenario(Model):

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from agents.agent import Agent
 from agents.node import AgentNode
 from formation.scenario.files import load
-from formation.scenario.scenario import Lockstep, Scenario
+from formation.scenario.lockstep import Lockstep
+from formation.scenario.scenario import Scenario
 from network.control import Reset
 from network.messages import Plan
 from runtime import inprocess

@@ -9,17 +9,17 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.belief import PlanReceiver
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
-from agents.controllers.pair import Pair
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
+from agents.controllers.task import Task
 from agents.estimator import Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
+from agents.plan_receiver import PlanReceiver
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.pattern import downstream, upstream
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
@@ -55,14 +55,14 @@ class Agent:
         self.robot, self.episode, self.size = robot, episode, scenario.size
         self.upstream = upstream(robot, scenario.size)
         self.planning = own.plan_every
-        self._pair = Pair(scenario, robot)
-        self._game = Game(scenario, robot, self._pair)
-        self._controller = controller or controller_for(scenario, robot, self._pair)
+        self._task = Task(scenario, robot)
+        self._game = Game(scenario, robot, self._task)
+        self._controller = controller or controller_for(scenario, robot, self._task)
         self._ages = spec_of(own).ages_plans if own.age_plans is None else own.age_plans
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
         if own.uses_downstream and scenario.size > 2:
             self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
-        self._motors = MotorModel(scenario, self._pair.limits)
+        self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
@@ -76,7 +76,7 @@ class Agent:
 
     def _filter(self, scenario: Scenario) -> WindowEstimator:
         own = scenario.controller
-        return WindowEstimator(scenario, self._pair, self._motors, sees=own.uses_sight, listens=own.uses_plans)
+        return WindowEstimator(scenario, self._task, self._motors, sees=own.uses_sight, listens=own.uses_plans)
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
@@ -111,13 +111,13 @@ class Agent:
         """Answer a tick; its number grows from call to call."""
         k, stamp = tick.seq, tick.stamp
         if k > 0 and self._fresh:
-            self._pair.forget()
+            self._task.forget()
         self._fresh = False
         for receiver in self._receivers:
             if receiver.pop(stamp):
                 plan = receiver.belief.plan
                 assert plan is not None
-                self._pair.hear(plan.way, k + self._motors.delay)
+                self._task.hear(plan.way, k + self._motors.delay)
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
         self._measure(tick)
@@ -126,7 +126,7 @@ class Agent:
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
-            if own is None or not self._pair.knows:  # who does not know where it is, or the way, does not move
+            if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
                 return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
             plan = self._said = self._plan(k, stamp, own)
             solve = perf_counter() - began
@@ -164,14 +164,14 @@ class Agent:
 
     def _plan(self, k: int, stamp: float, own: Estimate) -> Plan:
         """Decide what to do, and say it."""
-        pair, at = self._pair, k + self._motors.delay
-        begins = stamp + self._motors.delay * pair.tick
-        slot, tail = pair.slot(at, 1)
+        task, at = self._task, k + self._motors.delay
+        begins = stamp + self._motors.delay * task.tick
+        slot, tail = task.slot(at, 1)
         belief = self._receivers[0].belief
         aged = belief.aged(begins, slot, tail) if self._ages else belief.as_if_fresh(slot, tail)
         other = None
         if len(self._receivers) > 1:
-            other = self._receivers[1].belief.aged(begins, *pair.slot(at, 3))
+            other = self._receivers[1].belief.aged(begins, *task.slot(at, 3))
         observation = Observation(
             at,
             own.pose,
@@ -184,7 +184,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
-            pair.lost(at),
+            task.lost(at),
         )
         solution = self._controller.plan(observation)
         less = own.disturbance[[0, 2]] if self._compensates else np.zeros(2)
@@ -198,11 +198,11 @@ class Agent:
             stamp=stamp,
             episode=self.episode,
             pose=own.pose,
-            interval=pair.interval,
+            interval=task.interval,
             inputs=inputs,
             lag=solution.lag,
             lag_rate=solution.lag_rate,
-            delay=self._motors.delay * pair.tick,
+            delay=self._motors.delay * task.tick,
             waits=solution.waits,
             drift=np.array([-lateral * np.sin(theta), lateral * np.cos(theta)]),
             twist=own.twist,
@@ -210,7 +210,7 @@ class Agent:
             odometry=self._estimator.odometry(),
             measurements=self._estimator.measurements(),
             news=solution.news,
-            way=pair.preview(k),
+            way=task.preview(k),
             lost=observation.lost,
         )
 
@@ -225,8 +225,8 @@ class Agent:
         """The command for tick k: the last plan's input, less what disturbs the robot, within the limits."""
         assert self._last is not None
         made, solution, _, less = self._last
-        j = min((k - made) // self._pair.stride, len(solution.inputs) - 1)
-        v_max, omega_max = self._pair.limits
+        j = min((k - made) // self._task.stride, len(solution.inputs) - 1)
+        v_max, omega_max = self._task.limits
         v, omega = float(solution.inputs[j, 0]) - float(less[0]), float(solution.inputs[j, 1]) - float(less[1])
         return min(max(v, -v_max), v_max), min(max(omega, -omega_max), omega_max)
 
@@ -251,7 +251,7 @@ class Agent:
             rejected=rejected,
             pid=pid,
             converged=self._converged,
-            way_age=self._pair.way_age(k),
+            way_age=self._task.way_age(k),
             lost=self._said is not None and self._said.lost,
         )
 
@@ -269,7 +269,7 @@ class Agent:
             return 0.0
         _, solution, own, _ = self._last
         at = k + self._motors.delay
-        slot, tail = self._pair.slot(at, 1)
-        other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._pair.tick, slot, tail)
+        slot, tail = self._task.slot(at, 1)
+        other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._task.tick, slot, tail)
         poses = np.concatenate([own, other.pose])
         return self._game.gap(at, poses, np.hstack([solution.inputs, other.inputs]))

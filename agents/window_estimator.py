@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.estimator import STILL, Estimate, Measurement
 from agents.kernels.look_ahead import look_ahead, neighbour_ahead
 from agents.kernels.window_filter import Heard, hear, newest_rows, update
@@ -24,12 +24,12 @@ IN_PLACE, IN_LINE = 0.001, 0.01
 class WindowEstimator:
     """One joint filter over the own robot and those upstream, fed with raw measurements at their own stamps."""
 
-    def __init__(self, scenario: Scenario, pair: Pair, motors: MotorModel, *, sees: bool, listens: bool) -> None:
+    def __init__(self, scenario: Scenario, task: Task, motors: MotorModel, *, sees: bool, listens: bool) -> None:
         """A robot that does not know where it is, unless robots start in formation.
 
         Args:
             scenario: of the run.
-            pair: the robot's task; its columns are the blocks of the window.
+            task: the robot's task; its columns are the blocks of the window.
             motors: its commands and their delay.
             sees: whether the controller uses sight of the upstream neighbour, where the bodies have it.
             listens: whether the neighbour's measurements come with its plans; else it is only seen.
@@ -39,7 +39,7 @@ class WindowEstimator:
         """Whether the upstream neighbour is in the window."""
         self.blocks = min(wish.window, scenario.size) if self.sees else 1
         """W, robots in the window."""
-        self._pair, self._motors, self._dt = pair, motors, scenario.control_interval
+        self._task, self._motors, self._dt = task, motors, scenario.control_interval
         self._ring = scenario.size
         self._mode = HEARD if listens else SIGHT
         self._tuning: Tuning = tuning(body, self._dt, sees=self.sees, detects=wish.disturbances)
@@ -47,7 +47,7 @@ class WindowEstimator:
         placed = scenario.robots.poses is None and scenario.robots.start_noise.position < FAR
         noise = scenario.robots.start_noise
         near = (math.hypot(IN_PLACE, noise.position), math.hypot(IN_LINE, noise.heading))
-        slots = pair.block(0)[0].slots[0, : self.blocks]
+        slots = task.block(0)[0].slots[0, : self.blocks]
         self.window: Window = start(slots, np.tile(near if placed else (FAR, TURNED), (self.blocks, 1)))
         self._knows = placed and body.age > 0
         self._rolled = False
@@ -94,7 +94,7 @@ class WindowEstimator:
         window = self.window
         self._knows = True
         window.base_tick[0] = window.newest[0] = tick
-        table = self._pair.table(tick)
+        table = self._task.table(tick)
         window.base_mean[:, :3] = table.slots[tick - table.first, : self.blocks]
         window.base_mean[0, :3] = pose
         if tick > 0:  # the neighbours may be anywhere
@@ -107,10 +107,10 @@ class WindowEstimator:
     def estimate(self, k: int, heard: Plan | None) -> Estimate | None:
         if not self._knows:
             return None
-        pair, motors, window = self._pair, self._motors, self.window
+        task, motors, window = self._task, self._motors, self.window
         plan = self._plan(k, heard)
-        here, late = pair.table(k), pair.table(math.floor(k - pair.lag / self._dt))
-        update(window, here, late, pair.lag, plan, self._mode, self._ring, self._tuning)
+        here, late = task.table(k), task.table(math.floor(k - task.lag / self._dt))
+        update(window, here, late, task.lag, plan, self._mode, self._ring, self._tuning)
         pose, speed, twist = np.empty(3), self._speed.copy(), np.empty(2)
         look_ahead(
             window,
@@ -136,7 +136,7 @@ class WindowEstimator:
         After `estimate` of the same tick; only if `sees`.
         """
         pose = np.empty(3)
-        here = self._pair.table(k)
+        here = self._task.table(k)
         neighbour_ahead(self.window, k, here, self._plan(k, heard), self._dt, pose)
         lateral = float(self.window.copy_mean[1, 4])
         return pose, np.array([-lateral * math.sin(pose[2]), lateral * math.cos(pose[2])])

@@ -9,7 +9,7 @@ from cli.options import add_run, session
 from cli.talk import ask, newest_state
 from formation.errors import FaultError
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault, with_changes
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.control import operation
 from network.messages import Request
 

@@ -5,18 +5,18 @@ from typing import Any
 
 import viser
 
+from dashboard.notices import Notices
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.event_log import event_log
 from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.link_matrix import link_matrix
-from dashboard.panels.notices import Notices
 from dashboard.panels.plots import FIRST, SECOND, Chart
-from dashboard.panels.requests import RequestQueue
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
+from dashboard.requests import RequestQueue
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
 from dashboard.telemetry.export_buffer import ExportBuffer

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.motion import Motion
 from formation.paths.turns import Turn, place_at
 from formation.paths.waypoints import Waypoints
 from formation.schedule import MARGIN, STRETCH, Schedule
+from formation.slot_motion import Motion
 
 SHOWN = 3
 """Tight turns that are told one by one."""

@@ -1,7 +1,8 @@
 """The reference on the ticks of the control interval: the centre's path and every robot's feasible slot.
 
-It is the motion of the slots (formation/motion.py) at the pace that robots can follow (formation/schedule.py). Tables
-are made a block of ticks at a time, because looking up a row is a thousand times cheaper than computing it.
+It is the motion of the slots (formation/slot_motion.py) at the pace that robots can follow
+(formation/schedule.py). Tables are made a block of ticks at a time, because looking up a row is a thousand times
+cheaper than computing it.
 """
 
 from dataclasses import dataclass
@@ -10,8 +11,8 @@ import numpy as np
 
 from formation.arrays import FloatArray, timeline
 from formation.metrics import wrapped
-from formation.motion import Motion
 from formation.schedule import Schedule
+from formation.slot_motion import Motion
 
 BLOCK_TICKS = 2000
 """Ticks per block: 20 s, computed in some milliseconds."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.metrics import wrapped
-from formation.motion import Motion
+from formation.slot_motion import Motion
 
 MARGIN = 0.95
 """Share of the limits that a slowed reference uses; the rest is left to the controllers."""

@@ -1,7 +1,7 @@
 """The reference of robots that do not know the path, from the previews of those that do (docs/theory.md, Way).
 
 Robot 1 sends where the formation's centre will be over one horizon; the others pass the newest preview on. A robot
-builds its slots from it as formation/motion.py does from the path. Beyond the preview it goes on along an arc, and
+builds its slots from it as formation/slot_motion.py does from the path. Beyond the preview it goes on along an arc, and
 stops when the preview has been over for long. A newer preview then leads back without a jump: the gap between the two
 references fades like a critically damped spring.
 """
@@ -12,10 +12,10 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.metrics import wrapped
-from formation.motion import SLOW
 from formation.offsets import Offsets
 from formation.pattern import rotate
 from formation.reference import BEHIND_TICKS, BLOCK_TICKS, Block, block_of
+from formation.slot_motion import SLOW
 
 TICK, TIME, X, Y, THETA, FACING = range(6)
 """Columns of a preview, (m, 6); its rows are one prediction interval apart."""

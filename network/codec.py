@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from formation.errors import WireError
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
 from network.topics import MESSAGES

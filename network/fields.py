@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, PlainValidator
 
 from formation.arrays import FloatArray
 from formation.errors import FaultError
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.schema import MAX_SCENARIO
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)

@@ -13,7 +13,7 @@ from statistics import NormalDist
 from typing import Generic, NamedTuple, TypeVar
 
 from formation.faults import PERFECT, Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.values import LinkCounts
 
 QUEUE_LIMIT = 10

@@ -7,7 +7,7 @@ for messages of this one. Robots are numbered from 1. network/codec.py encodes a
 from dataclasses import dataclass, field
 from typing import Any
 
-from formation import links
+from formation import link_ids
 from formation.faults import Fault
 from network.fields import (
     STRICT,
@@ -36,7 +36,7 @@ from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Eve
 
 VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = links.WORLD
+WORLD = link_ids.WORLD
 """Sender number of the world; robots count from 1."""
 
 

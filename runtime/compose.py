@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
-from runtime.process_list import Plan, Program, programs
+from runtime.process_list import Program, RunPlan, programs
 
 RUN = "echelon"
 ROUTER_PORT = 7447
@@ -35,9 +35,9 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides) -> Plan:
+def plan(scenario: str, overrides: Overrides) -> RunPlan:
     """How a run of containers is put together."""
-    return Plan(
+    return RunPlan(
         run=RUN,
         scenario=scenario,
         connect=f"tcp/router:{ROUTER_PORT}",

@@ -20,7 +20,7 @@ from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
-from runtime.process_list import Plan, agent, programs
+from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 
@@ -54,7 +54,7 @@ class LiveRun:
             scenario: what to run, already checked.
             source, overrides: name or file, and what differs from it, from which the world makes the same scenario.
             tell: called with a line for the user.
-            options: of runtime.process_list.Plan.
+            options: of runtime.process_list.RunPlan.
 
         Raises:
             EchelonError: the name is in use, or the controller cannot run as processes.
@@ -69,7 +69,7 @@ class LiveRun:
             file = self._claim.path / "scenario.json"
             file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
             source, overrides = str(file), {}
-        self._plan = Plan(
+        self._plan = RunPlan(
             name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )
         self._supervisor = Supervisor(name, tell)

@@ -23,7 +23,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class RunPlan:
     """How a run is put together."""
 
     run: str
@@ -50,7 +50,7 @@ class Plan:
     """Token that browsers must send; None on loopback."""
 
 
-def programs(plan: Plan, scenario: Scenario) -> list[Program]:
+def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     """Every process of the run, in the order in which they are best started."""
     common = ("--run", plan.run, "--connect", plan.connect)
     world = [*common, "--scenario", plan.scenario, "--speed", f"{plan.speed:g}"]
@@ -69,10 +69,10 @@ def programs(plan: Plan, scenario: Scenario) -> list[Program]:
     return found
 
 
-def agent(plan: Plan, number: int) -> Program:
+def agent(plan: RunPlan, number: int) -> Program:
     """The agent of one robot."""
     return Program("agent", number, "agents", ("--run", plan.run, "--connect", plan.connect, "--id", str(number)))
 
 
-def _flags(plan: Plan) -> list[tuple[str, bool]]:
+def _flags(plan: RunPlan) -> list[tuple[str, bool]]:
     return [("--realtime", plan.realtime), ("--endless", plan.endless), ("--paused", plan.paused)]

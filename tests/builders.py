@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.messages import WORLD, Command, Plan, State, Status, Tick
 from network.values import NO_PLACES, Event, LinkCounts
 

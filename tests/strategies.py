@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from formation.arrays import FloatArray
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.fields import ArrayOf
 
 SIZE = 3

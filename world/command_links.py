@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from formation.errors import WireError
 from formation.faults import PERFECT, Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged

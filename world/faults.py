@@ -8,7 +8,7 @@ from typing import Any
 
 from formation.errors import FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, with_changes
-from formation.links import LinkId, every_link, links_named, plan_links
+from formation.link_ids import LinkId, every_link, links_named, plan_links
 from formation.scenario.scenario import Scenario
 
 KEPT_CHANGES = 5000

@@ -48,10 +48,10 @@ class WorldNode:
         """
         self.phase = Phase.HOLD
         self._run, self._world = run, world
-        self._pace = Rate(speed)
-        self._roster = AgentPresence(world)
-        self._orders = RunControl(world, self._pace, self._roster, go=start)
-        self._requests = Requests(world, self._orders)
+        self._rate = Rate(speed)
+        self._presence = AgentPresence(world)
+        self._control = RunControl(world, self._rate, self._presence, go=start)
+        self._requests = Requests(world, self._control)
         self._commands: dict[int, Command] = {}
         self._tick: Tick | None = None
         """The newest that went out."""
@@ -72,14 +72,14 @@ class WorldNode:
     @property
     def over(self) -> bool:
         """Whether a user has asked the run to end."""
-        return self._orders.stop
+        return self._control.stop
 
     def patience(self, now: float) -> float:
         """Feed it again after this long [s], if nothing arrives before."""
         if self.phase in (Phase.ASK, Phase.CALL):
             return IDLE_SECONDS if self._requests else STATE_INTERVAL
         if self.phase in (Phase.DRIVE, Phase.PACE):
-            return min(max(0.0, self._pace.left(now)), IDLE_SECONDS)
+            return min(max(0.0, self._rate.left(now)), IDLE_SECONDS)
         return IDLE_SECONDS
 
     def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
@@ -94,10 +94,10 @@ class WorldNode:
         """
         stood_still = self._time.look(now)
         if stood_still:
-            self._roster.stood_still(self._running, stood_still)
+            self._presence.stood_still(self._running, stood_still)
         for item in arrivals:
             self._take(item)
-        self._roster.settle(self._running)
+        self._presence.settle(self._running)
         self._note_changes()
         while True:
             if self._requests:
@@ -118,7 +118,7 @@ class WorldNode:
         if self._requests.actions:
             actions = [*self._requests.actions, *actions]
             self._requests.actions.clear()
-        self._orders.rejected += sum(isinstance(action, Reject) for action in actions)
+        self._control.rejected += sum(isinstance(action, Reject) for action in actions)
         return actions
 
     # ------------------------------------------------------------------ time
@@ -133,16 +133,16 @@ class WorldNode:
                 calling = self.phase is Phase.CALL
                 if bool(self._commands) if calling else self._awaited <= self._commands.keys():
                     self._end_tick(dict(sorted(self._commands.items())), now)
-                    self._pace.next(world.scenario.control_interval, now)
+                    self._rate.next(world.scenario.control_interval, now)
                     return True
                 self._wait()
                 return False
             case Phase.DRIVE | Phase.PACE:
-                left = self._pace.left(now)
+                left = self._rate.left(now)
                 if left > 0.0 and not (self._requests and left > STATE_INTERVAL):
                     return False
                 if self.phase is Phase.DRIVE:
-                    self._pace.note_overrun(world.scenario.control_interval, now)
+                    self._rate.note_overrun(world.scenario.control_interval, now)
                     self._end_tick(self._commands, now)
                 else:
                     self.phase = TABLE[self.phase, Event.FINISHED if world.finished else Event.DUE]
@@ -152,27 +152,27 @@ class WorldNode:
 
     def _begin_tick(self, now: float) -> bool:
         """Send the next tick, if there is somebody to answer it and the run goes on."""
-        world, orders = self._world, self._orders
+        world, control = self._world, self._control
         lockstep = world.mode == "lockstep"
-        if not (orders.active or (lockstep and orders.calling)):
-            self._pace.hold(now)
+        if not (control.active or (lockstep and control.calling)):
+            self._rate.hold(now)
             return False
-        self._pace.begin(world.k, now)
+        self._rate.begin(world.k, now)
         self._tick, self._awaited, self._commands = world.tick(), set(world.live), {}
         self._asked_at = self._running
         self._send_tick()
         if lockstep:
             self.phase = TABLE[self.phase, Event.ASKED if self._awaited else Event.CALLED]
         else:
-            self._pace.next(world.scenario.control_interval, now)
+            self._rate.next(world.scenario.control_interval, now)
             self.phase = TABLE[self.phase, Event.DRIVEN]
         return False
 
     def _end_tick(self, commands: dict[int, Command], now: float) -> None:
         world = self._world
         world.advance(commands)
-        self._pace.end(now)
-        self._orders.note_tick()
+        self._rate.end(now)
+        self._control.note_tick()
         self.phase = TABLE[
             self.phase, Event.FINISHED if self.phase is Phase.DRIVE and world.finished else Event.COMPLETE
         ]
@@ -189,12 +189,12 @@ class WorldNode:
         """Repeat the tick; once the patience is over, count the silent agents as failed."""
         if self._running - self._sent_at > RESEND_SECONDS:
             self._send_tick()
-        if not self._roster.certain:
+        if not self._presence.certain:
             self._asked_at = self._running
         elif self._running - self._asked_at > self._world.scenario.lockstep.patience:
             for robot in sorted(self._awaited - self._commands.keys()):
                 self._failed_at[robot] = self._world.k
-                self._roster.silent(robot)
+                self._presence.silent(robot)
             self._note_changes()
 
     def _note_changes(self) -> None:
@@ -233,11 +233,11 @@ class WorldNode:
             case Query():
                 self._requests.receive(item, self._running)
             case Presence("agent", robot, here):
-                self._roster.appear(robot) if here else self._roster.disappear(robot, self._running)
+                self._presence.appear(robot) if here else self._presence.disappear(robot, self._running)
             case Presence("launcher", _, here):
-                self._roster.launcher = here
+                self._presence.launcher = here
             case Connection(up):
-                self._roster.connection(self._running, up=up)
+                self._presence.connection(self._running, up=up)
             case _:
                 pass
 
@@ -263,7 +263,7 @@ class WorldNode:
         """In lockstep: for the tick that is out, of a robot that was not lost meanwhile."""
         robot, tick = command.sender, self._tick
         if robot not in self._world.live and command.seq >= self._failed_at.get(robot, 0):
-            self._roster.speaks(robot)
+            self._presence.speaks(robot)
         if self.phase not in OUT or tick is None or command.seq != tick.seq or robot in tick.gone:
             return
         if robot in self._world.live:
@@ -288,13 +288,13 @@ class WorldNode:
         waited = self._awaited - self._commands.keys() if late else set()
         state = self._world.state(
             seq=self._states,
-            status=self._orders.status,
-            speed=self._pace.speed,
-            pace=self._pace.measured(self._world.now, now),
-            overruns=self._pace.overruns,
-            rejected=self._orders.rejected,
-            waiting_for=sorted({*self._roster.missing, *waited}),
-            dismissed=self._roster.dismissed,
-            compare=self._orders.compare,
+            status=self._control.status,
+            speed=self._rate.speed,
+            pace=self._rate.measured(self._world.now, now),
+            overruns=self._rate.overruns,
+            rejected=self._control.rejected,
+            waiting_for=sorted({*self._presence.missing, *waited}),
+            dismissed=self._presence.dismissed,
+            compare=self._control.compare,
         )
         self._actions.append(Publish(topics.state(self._run), state))

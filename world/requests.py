@@ -18,8 +18,8 @@ HELD_SECONDS = 1.0
 class Requests:
     """The operations that wait."""
 
-    def __init__(self, world: World, orders: RunControl) -> None:
-        self._world, self._orders = world, orders
+    def __init__(self, world: World, run_control: RunControl) -> None:
+        self._world, self._control = world, run_control
         self._waiting: deque[tuple[Operation, Query, float]] = deque()
         """With the time since when."""
         self.actions: list[Action] = []
@@ -66,7 +66,7 @@ class Requests:
 
     def _carry_out(self, operation: Operation) -> Reply:
         try:
-            return Reply(True, value=self._orders.obey(operation))
+            return Reply(True, value=self._control.obey(operation))
         except EchelonError as error:
             return Reply(False, str(error))
         except (ArithmeticError, MemoryError, ValueError) as error:  # no request may end the world

@@ -22,8 +22,8 @@ BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Ste
 class RunControl:
     """Whether to run, and for how many ticks; carries out the requested operations."""
 
-    def __init__(self, world: World, pace: Rate, roster: AgentPresence, *, go: bool) -> None:
-        self._world, self._pace, self._roster = world, pace, roster
+    def __init__(self, world: World, rate: Rate, presence: AgentPresence, *, go: bool) -> None:
+        self._world, self._rate, self._presence = world, rate, presence
         self._go = go
         self._ticks_left = 0  # of a Step
         self.stop = False
@@ -39,7 +39,7 @@ class RunControl:
         world = self._world
         if world.finished:
             return "finished"
-        if not world.live or (world.k == 0 and set(self._roster.missing) - set(self._roster.dismissed)):
+        if not world.live or (world.k == 0 and set(self._presence.missing) - set(self._presence.dismissed)):
             return "waiting"
         return "running" if self._go else "paused"
 
@@ -52,7 +52,7 @@ class RunControl:
     @property
     def calling(self) -> bool:
         """Whether the next tick may be sent although nobody is live, for those who did not answer to answer again."""
-        return self._go and not (self._world.finished or self._world.live) and bool(self._roster.failed)
+        return self._go and not (self._world.finished or self._world.live) and bool(self._presence.failed)
 
     def note_tick(self) -> None:
         """Count a tick."""
@@ -77,7 +77,7 @@ class RunControl:
             case control.Reset():
                 self._reset()
             case control.Speed(speed=speed):
-                self._pace.speed = speed
+                self._rate.speed = speed
             case control.SetFault(link=link, changes=changes, seconds=seconds):
                 world.change_fault(link, changes, seconds and world.now + seconds)
             case control.SetPreset(link=link, preset=name, seconds=seconds):
@@ -91,12 +91,12 @@ class RunControl:
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
-                self._roster.dismiss(robot, for_good=True)
+                self._presence.dismiss(robot, for_good=True)
                 world.event("run", f"agent {robot} is killed and kept down", "warning")
             case control.Restart(robot=robot):
-                kept = self._roster.readmit(robot)
+                kept = self._presence.readmit(robot)
                 if not kept:
-                    self._roster.dismiss(robot, for_good=False)
+                    self._presence.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
                 self.compare = "" if name == "off" else name
@@ -105,8 +105,8 @@ class RunControl:
             case control.Stop():
                 self.stop = True
             case control.GetSummary(warmup=warmup):
-                pace = self._pace
-                figures = {"wall_s": pace.wall, "overruns": pace.overruns, "rejected": self.rejected}
+                rate = self._rate
+                figures = {"wall_s": rate.wall, "overruns": rate.overruns, "rejected": self.rejected}
                 return {**world.summary(warmup=warmup), **figures}
         return {}
 
@@ -117,13 +117,13 @@ class RunControl:
 
     def _reset(self) -> None:
         self._world.reset()
-        self._roster.recall()
+        self._presence.recall()
         self._ticks_left = 0
 
     def _use(self, scenario: Scenario) -> None:
         check_live(scenario.controller.name)
         self._world.use(scenario)
-        self._roster.recall()
+        self._presence.recall()
         self._ticks_left = 0
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error
 from formation.scenario.scenario import Scenario
 from network.messages import Command

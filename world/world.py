@@ -11,7 +11,7 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.controllers.interface import NeighborEstimate, Observation, Solution
-from agents.controllers.pair import HorizonReference, Pair
-from agents.controllers.waits import Waits
+from agents.controllers.task import HorizonReference, Task
+from agents.controllers.waiting import Waiting
 from agents.kernels.edges import errors_along
 from agents.kernels.response import Stage, Targets, lag_of, respond
 from agents.kernels.unicycle import shift
@@ -53,32 +53,32 @@ class Weights:
 class BestResponse:
     """The controller of one robot."""
 
-    def __init__(self, pair: Pair, spacing: float, weights: Weights, waits: Waits | None, *, sources: int) -> None:
+    def __init__(self, task: Task, spacing: float, weights: Weights, waiting: Waiting | None, *, sources: int) -> None:
         """A robot that has not planned yet.
 
         Args:
-            pair: its task.
+            task: its task.
             spacing: of the formation [m].
             weights: of its cost.
-            waits: how it waits for others; None: never.
+            waiting: how it waits for others; None: never.
             sources: neighbours whose plans it hears: 0, 1 or 2. An edge to a neighbour that is seen it holds anyway.
         """
-        self._pair, self._spacing, self._weights, self._waits = pair, spacing, weights, waits
+        self._task, self._spacing, self._weights, self._waiting = task, spacing, weights, waiting
         self._sources = sources
         self._costs = np.array([weights.speed / spacing**2, weights.turn])
-        self._work = np.empty((pair.horizon + 1, WORK_COLUMNS))
+        self._work = np.empty((task.horizon + 1, WORK_COLUMNS))
         self._last: FloatArray | None = None
-        self._step = pair.every * pair.tick
+        self._step = task.every * task.tick
 
     def plan(self, observation: Observation) -> Solution:
-        pair, weights = self._pair, self._weights
+        task, weights = self._task, self._weights
         neighbours = (observation.upstream, observation.downstream)
         waiting = False
-        if self._waits and observation.lost:
-            self._waits.rest(observation.k)
-        elif self._waits:
-            waiting = self._waits.update(observation)
-        ahead = pair.ahead(observation.k)
+        if self._waiting and observation.lost:
+            self._waiting.rest(observation.k)
+        elif self._waiting:
+            waiting = self._waiting.update(observation)
+        ahead = task.ahead(observation.k)
         slots = np.ascontiguousarray(ahead.slots[:, 0])
         targets = np.ascontiguousarray(ahead.inputs[:, 0])
         steps = len(targets)
@@ -90,32 +90,32 @@ class BestResponse:
                 continue
             trust += f / max(self._sources, 1)
             edge[side] = f * weights.own / self._spacing**2
-            self._edge(ahead, neighbour, pair.columns_of_sides[side], slots, direction[side], error[side])
+            self._edge(ahead, neighbour, task.columns_of_sides[side], slots, direction[side], error[side])
         place = weights.own * (SHARED + (1.0 - trust) * (1.0 - SHARED)) / self._spacing**2
         drift = self._drift(observation)
-        stage = Stage(place, edge, 1.0, self._costs, pair.limits)
+        stage = Stage(place, edge, 1.0, self._costs, task.limits)
         turned = self._turned(slots, targets, float(observation.disturbance[1]))
-        task = Targets(turned, targets, direction, error, drift)
+        goals = Targets(turned, targets, direction, error, drift)
         inputs, motion = np.empty_like(targets), np.empty_like(targets)
         start = np.concatenate([observation.pose, observation.speed + observation.disturbance[[0, 2]]])
         nominal = self._nominal(targets)
-        lag = lag_of(observation.lag, pair.interval)
-        change = respond(start, nominal, task, stage, lag, pair.interval, self._work, inputs, motion)
+        lag = lag_of(observation.motor_lag, task.interval)
+        change = respond(start, nominal, goals, stage, lag, task.interval, self._work, inputs, motion)
         converged = math.isfinite(change)
         if not converged:
-            inputs = motion = np.clip(np.nan_to_num(nominal), -pair.limits, pair.limits)
+            inputs = motion = np.clip(np.nan_to_num(nominal), -task.limits, task.limits)
         self._last = inputs
-        if self._waits is None:
+        if self._waiting is None:
             return Solution(inputs, converged, motion=motion)
-        said = self._waits.planned(observation.pose, motion, drift)
-        return Solution(inputs, converged, pair.lag, said.rate, said.waits, said.news, said.motion)
+        said = self._waiting.planned(observation.pose, motion, drift)
+        return Solution(inputs, converged, task.lag, said.rate, said.waits, said.news, said.motion)
 
     def _nominal(self, targets: FloatArray) -> FloatArray:
         """Inputs (N, 2) to linearise along: the last plan's, moved on."""
         if self._last is None:
             return targets.copy()
         nominal = np.empty_like(targets)
-        shift(self._last, self._step, self._pair.interval, targets, nominal)
+        shift(self._last, self._step, self._task.interval, targets, nominal)
         return nominal
 
     def _trust(self, observation: Observation, neighbour: NeighborEstimate | None, *, waiting: bool) -> float:
@@ -152,7 +152,7 @@ class BestResponse:
             neighbour.drift,
             other,
             slots,
-            self._pair.interval,
+            self._task.interval,
             direction,
             error,
         )

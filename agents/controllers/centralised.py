@@ -3,8 +3,8 @@
 At every planning tick it sees the true poses of all robots and minimises the sum over the ring of the costs J_i that
 `nash` plays for, jointly, to convergence and within the limits. No plans of the same horizon cost less in that sum;
 a controller with other aims may still hold the pattern better and the path worse. For robots that cannot keep up it
-waits by the rule of agents/controllers/progress.py, with one lag for all. The plans that its agents exchange are not
-used. It runs in one process only (runtime/inprocess.py). docs/theory.md, section 7 says why it is not a bound.
+waits by the rule of agents/controllers/pair_waiting.py, with one lag for all. The plans that its agents exchange are
+not used. It runs in one process only (runtime/inprocess.py). docs/theory.md, section 7 says why it is not a bound.
 """
 
 import math
@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution
-from agents.controllers.pair import Pair
 from agents.controllers.pair_game import pair_game, weights
-from agents.controllers.progress import Progress
+from agents.controllers.pair_waiting import PairWaiting
+from agents.controllers.task import Task
 from agents.kernels.lq import optimise
 from agents.kernels.pair_cost import ring_weights
 from agents.kernels.unicycle import shift
@@ -31,8 +31,8 @@ class Team:
     """The planner of all robots for one episode. The first member that asks at a tick triggers the solve for all."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._pairs = [Pair(scenario, robot) for robot in range(1, scenario.size + 1)]
-        self._progress = [Progress(pair, scenario.spacing) for pair in self._pairs]
+        self._tasks = [Task(scenario, robot) for robot in range(1, scenario.size + 1)]
+        self._waiting = [PairWaiting(task, scenario.spacing) for task in self._tasks]
         self._waits = pair_game(scenario).waits
         q, r = weights(scenario)
         self._q, self._r = np.array(q, dtype=float), np.tile(np.array(r, dtype=float), scenario.size)
@@ -50,7 +50,7 @@ class Team:
     @property
     def lag(self) -> float:
         """How far the formation's reference time is behind the clock [s]."""
-        return self._pairs[0].lag
+        return self._tasks[0].lag
 
     def plan(self, k: int) -> tuple[FloatArray, bool]:
         """Inputs (N, n, 2) of all from tick k on, and whether they could be found; solved once per tick."""
@@ -60,40 +60,40 @@ class Team:
             self._plan = (k, *self._solve(k, self._now[1]))
         return self._plan[1:]
 
-    def task(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
+    def problem(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
         """Slots (N + 1, n, 3), their inputs (N, n, 2), weights (N + 1, 3n, 3n), R and Delta_T, for the kernels."""
-        ahead = [pair.ahead(k) for pair in self._pairs]
+        ahead = [task.ahead(k) for task in self._tasks]
         slots = np.stack([one.slots[:, 0] for one in ahead], axis=1)
         targets = np.stack([one.inputs[:, 0] for one in ahead], axis=1)
         costs = np.empty((len(slots), 3 * len(ahead), 3 * len(ahead)))
         ring_weights(slots, self._q, costs)
-        return slots, targets, costs, self._r, self._pairs[0].interval
+        return slots, targets, costs, self._r, self._tasks[0].interval
 
     def _solve(self, k: int, poses: FloatArray) -> tuple[FloatArray, bool]:
         if self._waits:
             self._wait(k, poses)
-        task, limits, tick = self.task(k), self._pairs[0].limits, self._pairs[0].tick
-        targets, interval = task[1], task[4]
+        problem, limits, tick = self.problem(k), self._tasks[0].limits, self._tasks[0].tick
+        targets, interval = problem[1], problem[4]
         nominal = targets.copy()
         if self._plan is not None:
             made, last, _ = self._plan
             for robot in range(len(poses)):
                 shift(last[:, robot], (k - made) * tick, interval, targets[:, robot], nominal[:, robot])
         out = np.empty((len(targets), 2 * len(poses)))
-        change = optimise(poses.ravel(), nominal.reshape(out.shape), *task, limits, STEPS, TOLERANCE, out)
+        change = optimise(poses.ravel(), nominal.reshape(out.shape), *problem, limits, STEPS, TOLERANCE, out)
         converged = math.isfinite(change)
         inputs = out.reshape(nominal.shape) if converged else np.clip(np.nan_to_num(nominal), -limits, limits)
-        for robot, progress in enumerate(self._progress):
+        for robot, progress in enumerate(self._waiting):
             progress.planned(poses[robot], np.ascontiguousarray(inputs[:, robot]))
         return inputs, converged
 
     def _wait(self, k: int, poses: FloatArray) -> None:
         """Give every robot the lag of the one that is furthest behind."""
-        for progress, pose in zip(self._progress, poses, strict=True):
+        for progress, pose in zip(self._waiting, poses, strict=True):
             progress.update(k, pose, None)
-        lag, pace = max(pair.lag for pair in self._pairs), min(pair.pace for pair in self._pairs)
-        for pair in self._pairs:
-            pair.lag, pair.pace = lag, pace
+        lag, pace = max(task.lag for task in self._tasks), min(task.pace for task in self._tasks)
+        for task in self._tasks:
+            task.lag, task.pace = lag, pace
 
 
 class Member:

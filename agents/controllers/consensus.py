@@ -14,7 +14,7 @@ that has a spanning tree. Before the first message the neighbour's term is left 
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.kernels.consensus import roll_law
 from formation.scenario.scenario import Scenario
 
@@ -22,24 +22,24 @@ from formation.scenario.scenario import Scenario
 class Consensus:
     """The controller of one robot."""
 
-    def __init__(self, scenario: Scenario, pair: Pair) -> None:
+    def __init__(self, scenario: Scenario, task: Task) -> None:
         """Gains follow from what the robots can do.
 
         The hand reaches half a spacing. Its slowest direction is sideways, omega_max L: each gain turns an error of
         one spacing into that speed, and both together take away at most a quarter of an
         error per Delta_T, so that sampling and the messages' age leave the law stable.
         """
-        self._pair = pair
+        self._task = task
         self._reach = scenario.spacing / 2.0
-        speed = min(float(pair.limits[0]), float(pair.limits[1]) * self._reach)
-        self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * pair.interval))
+        speed = min(float(task.limits[0]), float(task.limits[1]) * self._reach)
+        self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * task.interval))
 
     def plan(self, observation: Observation) -> Solution:
-        pair, upstream = self._pair, observation.upstream
-        slot, targets = pair.slot(observation.k, 0)
-        other_slot, other_targets = pair.slot(observation.k, 1)
+        task, upstream = self._task, observation.upstream
+        slot, targets = task.slot(observation.k, 0)
+        other_slot, other_targets = task.slot(observation.k, 1)
         known = upstream.plan is not None
-        out = np.empty((pair.horizon, 2))
+        out = np.empty((task.horizon, 2))
         roll_law(
             observation.pose,
             slot,
@@ -50,8 +50,8 @@ class Consensus:
             np.ascontiguousarray(other_targets),
             self._reach,
             np.array([self._gain, self._gain if known else 0.0]),
-            pair.interval,
-            pair.limits,
+            task.interval,
+            task.limits,
             out,
         )
         converged = bool(np.isfinite(out).all())  # a peer's plan may hold any finite number

@@ -55,9 +55,9 @@ class Observation:
     """Since the last detection of a disturbance of the own robot [s]."""
     rejected: int = 0
     """Localisations rejected in a row."""
-    gap: float = 0.0
+    motor_gap: float = 0.0
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
-    lag: float = 0.0
+    motor_lag: float = 0.0
     """Time constant of the wheels [s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution, options_of
-from agents.controllers.pair import Pair
 from agents.controllers.pair_game import PairNash
+from agents.controllers.task import Task
 from formation.arrays import FloatArray
 from formation.pattern import rotate
 from formation.scenario.controllers import LeaderFollowerOptions
@@ -22,8 +22,8 @@ from formation.unicycle import wrap
 class Follower:
     """A Lyapunov-based law: the leader's own velocity, corrected by the place's error in the follower's frame."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair = pair
+    def __init__(self, scenario: Scenario, robot: int, task: Task) -> None:
+        self._task = task
         own = options_of(scenario, LeaderFollowerOptions)
         self._gain_x, self._gain_theta = own.gains
         self._misprinted, self._mended = 11 in own.misprints, 13 in own.errata
@@ -47,12 +47,12 @@ class Follower:
         omega = omega_l + self._gain_theta * e_theta + v_l * float(e_y) * ratio
         converged = math.isfinite(v) and math.isfinite(omega)  # a peer's plan may hold any finite number
         wished = np.array([v, omega]) if converged else np.zeros(2)
-        now = np.clip(wished, -self._pair.limits, self._pair.limits)
-        return Solution(np.tile(now, (self._pair.horizon, 1)), converged)
+        now = np.clip(wished, -self._task.limits, self._task.limits)
+        return Solution(np.tile(now, (self._task.horizon, 1)), converged)
 
     def _place(self, k: int) -> FloatArray:
         """Where the robot belongs beside its leader, in the leader's frame (2,) [m]."""
-        own, other = self._pair.offsets(k)
+        own, other = self._task.offsets(k)
         place: FloatArray = own - other
         return place
 
@@ -60,13 +60,13 @@ class Follower:
 class Leader:
     """Robot 1: `nash` with a neighbour that is always in its slot, so that the leader waits for no robot."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
-        self._pair, self._nash = (
-            pair,
-            PairNash(scenario, robot, pair, waits=options_of(scenario, LeaderFollowerOptions).waits),
+    def __init__(self, scenario: Scenario, robot: int, task: Task) -> None:
+        self._task, self._nash = (
+            task,
+            PairNash(scenario, robot, task, waits=options_of(scenario, LeaderFollowerOptions).waits),
         )  # it waits for no robot: it uses no plan
 
     def plan(self, observation: Observation) -> Solution:
-        slot, tail = self._pair.slot(observation.k, 1)
+        slot, tail = self._task.slot(observation.k, 1)
         alone = type(observation.upstream)(slot, tail, None)
         return self._nash.plan(Observation(observation.k, observation.pose, alone))

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution
-from agents.controllers.pair import Pair
-from agents.controllers.progress import Progress
+from agents.controllers.pair_waiting import PairWaiting
+from agents.controllers.task import Task
 from agents.kernels.pair_cost import cost, improve
 from agents.kernels.unicycle import shift
 from formation.arrays import FloatArray
@@ -51,9 +51,9 @@ def weights(scenario: Scenario) -> tuple[list[float], list[float]]:
 class Game:
     """The pair's game: its costs, and steps towards its equilibrium."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+    def __init__(self, scenario: Scenario, robot: int, task: Task) -> None:
         q, r = weights(scenario)
-        self._pair = pair
+        self._task = task
         self._q, self._r = np.array(q, dtype=float), np.array([*r, *r], dtype=float)
         self._r_frozen = np.array([*r, FROZEN, FROZEN])
 
@@ -69,7 +69,7 @@ class Game:
             poses: (6,) of robot i and its neighbour.
             inputs: (N, 4) that both play.
         """
-        frozen_targets = self._pair.ahead(k).pair[1]
+        frozen_targets = self._task.ahead(k).pair[1]
         frozen_targets[:, 1] = inputs[:, 2:]
         best = inputs
         for _ in range(3):
@@ -83,52 +83,52 @@ class Game:
         self, k: int, poses: FloatArray, inputs: FloatArray, r: FloatArray, targets: FloatArray | None
     ) -> tuple[FloatArray, float]:
         out = np.empty_like(inputs)
-        change = improve(poses, inputs, *self._task(k, targets), r, self._pair.limits, out)
+        change = improve(poses, inputs, *self._problem(k, targets), r, self._task.limits, out)
         return out, change
 
     def _cost(self, k: int, poses: FloatArray, inputs: FloatArray) -> float:
-        return float(cost(poses, inputs, *self._task(k, None), self._r))
+        return float(cost(poses, inputs, *self._problem(k, None), self._r))
 
-    def _task(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
+    def _problem(self, k: int, targets: FloatArray | None) -> tuple[object, ...]:
         """Arguments of both kernels for the task at tick k, in their order: slots, targets, dt, q."""
-        slots, inputs = self._pair.ahead(k).pair
-        return slots, inputs if targets is None else targets, self._pair.interval, self._q
+        slots, inputs = self._task.ahead(k).pair
+        return slots, inputs if targets is None else targets, self._task.interval, self._q
 
 
 class PairNash:
     """The controller of one robot."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair, *, waits: bool | None = None) -> None:
+    def __init__(self, scenario: Scenario, robot: int, task: Task, *, waits: bool | None = None) -> None:
         """The controller at the start.
 
         Args:
-            scenario, robot, pair: the task.
+            scenario, robot, task: what to do.
             waits: whether it waits for robots that cannot keep up; if absent, the scenario decides.
         """
-        self._pair, self._game = pair, Game(scenario, robot, pair)
+        self._task, self._game = task, Game(scenario, robot, task)
         waits = pair_game(scenario).waits if waits is None else waits
-        self._progress = Progress(pair, scenario.spacing) if waits else None
+        self._waiting = PairWaiting(task, scenario.spacing) if waits else None
         self._last: tuple[int, FloatArray] | None = None
 
     def plan(self, observation: Observation) -> Solution:
-        pair, k = self._pair, observation.k
-        if self._progress:
-            self._progress.update(k, observation.pose, observation.upstream.plan)
-        _, target = pair.slot(k, 0)
-        nominal = np.empty((pair.horizon, 4))
+        task, k = self._task, observation.k
+        if self._waiting:
+            self._waiting.update(k, observation.pose, observation.upstream.plan)
+        _, target = task.slot(k, 0)
+        nominal = np.empty((task.horizon, 4))
         if self._last is None:
             nominal[:, :2] = target
         else:
             made, inputs = self._last
-            shift(inputs, (k - made) * pair.tick, pair.interval, target, nominal[:, :2])
+            shift(inputs, (k - made) * task.tick, task.interval, target, nominal[:, :2])
         nominal[:, 2:] = observation.upstream.inputs
         poses = np.concatenate([observation.pose, observation.upstream.pose])
         inputs, change = self._game.improve(k, poses, nominal)
         converged = math.isfinite(change)
         own = np.ascontiguousarray((inputs if converged else nominal)[:, :2])
         if not converged:
-            own = np.clip(np.nan_to_num(own), -pair.limits, pair.limits)
+            own = np.clip(np.nan_to_num(own), -task.limits, task.limits)
         self._last = (k, own)
-        if self._progress:
-            self._progress.planned(observation.pose, own)
-        return Solution(own, converged, pair.lag, self._progress.lag_rate if self._progress else 0.0)
+        if self._waiting:
+            self._waiting.planned(observation.pose, own)
+        return Solution(own, converged, task.lag, self._waiting.lag_rate if self._waiting else 0.0)

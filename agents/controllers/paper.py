@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from agents.controllers.interface import Observation, Solution, options_of
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.kernels.paper_errors import BEST_RESPONSE, SWITCHES
 from agents.kernels.paper_game import plan
 from formation.arrays import FloatArray
@@ -28,26 +28,26 @@ SWITCH = {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 14: BEST_RESPONSE}
 class Paper:
     """The controller of one robot."""
 
-    def __init__(self, scenario: Scenario, robot: int, pair: Pair) -> None:
+    def __init__(self, scenario: Scenario, robot: int, task: Task) -> None:
         own = options_of(scenario, PaperOptions)
-        self._pair = pair
+        self._task = task
         self._q = np.array(own.q or (Q_TWO if scenario.size == 2 else Q_MORE), dtype=float)
         self._r = np.array(own.r or R, dtype=float)
         self._mended = np.zeros(SWITCHES, dtype=bool)
         self._mended[[SWITCH[number] for number in own.errata]] = True
         self._infeasible = 6 in own.misprints and scenario.formation.shape == "triangle"
         self._mirrored = 7 in own.misprints and (scenario.size, robot) == (2, 2)
-        self._last: FloatArray = np.zeros((pair.horizon, 2))  # step 2: the first plan is zero
+        self._last: FloatArray = np.zeros((task.horizon, 2))  # step 2: the first plan is zero
 
     def plan(self, observation: Observation) -> Solution:
-        pair = self._pair
-        block, row = pair.block(observation.k)
-        ahead = slice(row, row + pair.horizon * pair.stride + 1, pair.stride)
+        task = self._task
+        block, row = task.block(observation.k)
+        ahead = slice(row, row + task.horizon * task.stride + 1, task.stride)
         ref = block.centre[ahead]
         distance, angle, centre = self._pattern(observation.k)
         psi_r = -ref[:, 2] if self._mirrored else ref[:, 2] + angle
-        out = np.empty((pair.horizon, 2))
-        received = observation.upstream.inputs if observation.upstream.plan else np.zeros((pair.horizon, 2))
+        out = np.empty((task.horizon, 2))
+        received = observation.upstream.inputs if observation.upstream.plan else np.zeros((task.horizon, 2))
         plan(
             observation.pose,
             self._last,
@@ -57,10 +57,10 @@ class Paper:
             psi_r,
             distance,
             centre,
-            pair.interval,
+            task.interval,
             self._q,
             self._r,
-            pair.limits,
+            task.limits,
             self._mended,
             out,
         )
@@ -70,7 +70,7 @@ class Paper:
 
     def _pattern(self, k: int) -> tuple[float, float, FloatArray]:
         """l_r [m], psi_offset [rad] and p_v^O (2,) [m] of the pair as they are at tick k."""
-        own, other = self._pair.offsets(k)
+        own, other = self._task.offsets(k)
         wanted = between(own[None], other[None])
         distance = float(wanted.distance[0])
         centre = np.full(2, math.sqrt(3.0) / 6.0 * distance) if self._infeasible else np.array(wanted.centre[0])

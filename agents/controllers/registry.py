@@ -10,26 +10,26 @@ from agents.controllers.consensus import Consensus
 from agents.controllers.interface import Controller
 from agents.controllers.leader_follower import Follower, Leader
 from agents.controllers.nash import nash
-from agents.controllers.pair import Pair
 from agents.controllers.paper import Paper
+from agents.controllers.task import Task
 from agents.controllers.virtual_structure import virtual_structure
 from formation.scenario.registry import refusal
 from formation.scenario.scenario import Scenario
 
-Make = Callable[[Scenario, int, Pair], Controller]
+Make = Callable[[Scenario, int, Task], Controller]
 MAKES: dict[str, Make] = {
     "nash": nash,
     "paper": Paper,
-    "leader_follower": lambda scenario, robot, pair: (Leader if robot == 1 else Follower)(scenario, robot, pair),
-    "virtual_structure": lambda scenario, _, pair: virtual_structure(scenario, pair),
-    "consensus": lambda scenario, _, pair: Consensus(scenario, pair),
+    "leader_follower": lambda scenario, robot, task: (Leader if robot == 1 else Follower)(scenario, robot, task),
+    "virtual_structure": lambda scenario, _, task: virtual_structure(scenario, task),
+    "consensus": lambda scenario, _, task: Consensus(scenario, task),
 }
 """Of one robot, its number and its pair."""
 TEAMS: dict[str, Callable[[Scenario], Team]] = {"centralised": Team}
 """Of all robots at once; runtime/inprocess.py gives each agent its part."""
 
 
-def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
+def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
     """The scenario's controller for one robot; the scenario has checked its name.
 
     Raises:
@@ -38,7 +38,7 @@ def controller_for(scenario: Scenario, robot: int, pair: Pair) -> Controller:
     make = MAKES.get(scenario.controller.name)
     if make is None:
         raise refusal(scenario.controller.name)
-    return make(scenario, robot, pair)
+    return make(scenario, robot, task)
 
 
 def team_for(scenario: Scenario) -> Team | None:

@@ -7,7 +7,7 @@ messages only. With `sees` it also holds the edge to the neighbour that it sense
 
 from agents.controllers.best_response import BestResponse, Weights
 from agents.controllers.interface import options_of
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from formation.scenario.controllers import VirtualStructureOptions
 from formation.scenario.scenario import Scenario
 
@@ -16,8 +16,8 @@ SPEED, TURN = 0.01, {False: 0.5, True: 0.4}
 has the jitter of `nash`."""
 
 
-def virtual_structure(scenario: Scenario, pair: Pair) -> BestResponse:
+def virtual_structure(scenario: Scenario, task: Task) -> BestResponse:
     """The controller of one robot."""
     own, spacing = options_of(scenario, VirtualStructureOptions), scenario.spacing
     speed, turn = (own.r[0] * spacing**2, own.r[1]) if own.r else (SPEED, TURN[own.sees])
-    return BestResponse(pair, spacing, Weights(own.own_weight, speed, turn), None, sources=0)
+    return BestResponse(task, spacing, Weights(own.own_weight, speed, turn), None, sources=0)

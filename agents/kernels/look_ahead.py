@@ -2,8 +2,8 @@
 
 import math
 
+from agents.kernels.drifting import between
 from agents.kernels.jit import MATRIX, NOTHING, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
-from agents.kernels.motion import between
 from agents.kernels.unicycle import step
 from agents.kernels.window_filter import HEARD_PLAN, TABLE_OF_SLOTS, Heard, Table, guess, roll_on
 from agents.kernels.window_state import DL, DV, DW, LENGTH, WINDOW, Window, estimate

@@ -48,7 +48,7 @@ def _less_play(b: FloatArray, r: FloatArray, g: FloatArray, players: int, out: F
 def _backward(
     a: FloatArray,
     b: FloatArray,
-    drift: FloatArray,
+    affine: FloatArray,
     q: FloatArray,
     r: FloatArray,
     players: int,
@@ -58,7 +58,7 @@ def _backward(
 ) -> None:
     """Eq. (10), with W inverted by Woodbury's identity: K W^-1 = M = K - K B (R + B^T K B)^-1 B^T K, symmetric.
 
-    With a drift the costate is K z + g. The inputs of as many players count: both, or robot i alone.
+    With an affine term the costate is K z + g. The inputs of as many players count: both, or robot i alone.
     """
     size = 2 * players
     kb, at_m, inner = np.empty((5, size)), np.empty((5, 5)), np.empty((size, size))
@@ -74,7 +74,7 @@ def _backward(
         solve_positive(inner, gain)
         times(kb, gain, ms[j])
         for i in range(5):
-            c[i] = drift[j, i]
+            c[i] = affine[j, i]
             for n in range(5):
                 ms[j, i, n] = ks[j + 1, i, n] - ms[j, i, n]
         _less_play(b[j], r, gs[j + 1], players, c)
@@ -166,7 +166,7 @@ def plan(
     drifts, relative = mended[INPUTS] or mended[DRIFT], mended[INPUTS] or mended[RELATIVE]
     a, b = np.empty((steps, 5, 5)), np.empty((steps, 5, 4))  # B_i and B_-i side by side
     bi, bu = np.empty((5, 2)), np.empty((5, 2))
-    z, rate, drift = np.empty((steps + 1, 5)), np.empty(5), np.zeros((steps, 5))
+    z, rate, affine = np.empty((steps + 1, 5)), np.empty(5), np.zeros((steps, 5))
     p, o = own.copy(), other.copy()
     for j in range(steps):
         error_state(p, o, ref[j], distance, psi_r[j], pv, z[j])
@@ -176,18 +176,18 @@ def plan(
         _euler(o, w[j], dt)
         for i in range(5):
             if drifts:
-                drift[j, i] = z[j, i] + dt * rate[i]
+                affine[j, i] = z[j, i] + dt * rate[i]
                 for m in range(5):
-                    drift[j, i] -= a[j, i, m] * z[j, m]
+                    affine[j, i] -= a[j, i, m] * z[j, m]
                 for m in range(2):
-                    drift[j, i] -= bi[i, m] * u[j, m] + bu[i, m] * w[j, m]
+                    affine[j, i] -= bi[i, m] * u[j, m] + bu[i, m] * w[j, m]
             for m in range(2):
                 if relative:
-                    drift[j, i] += (bi[i, m] + bu[i, m]) * ref[j, 3 + m]
+                    affine[j, i] += (bi[i, m] + bu[i, m]) * ref[j, 3 + m]
                 if mended[BEST_RESPONSE]:
-                    drift[j, i] += bu[i, m] * (w[j, m] - (ref[j, 3 + m] if relative else 0.0))
+                    affine[j, i] += bu[i, m] * (w[j, m] - (ref[j, 3 + m] if relative else 0.0))
     ks, ms, gs = np.empty((steps + 1, 5, 5)), np.empty((steps, 5, 5)), np.zeros((steps + 1, 5))
-    _backward(a, b, drift, q, r, 1 if mended[BEST_RESPONSE] else 2, ks, ms, gs)
+    _backward(a, b, affine, q, r, 1 if mended[BEST_RESPONSE] else 2, ks, ms, gs)
     p[:], o[:] = own, other
     here, after, base, both = z[0].copy(), np.empty(5), np.zeros(2), np.zeros(4)
     for j in range(steps):
@@ -196,14 +196,14 @@ def plan(
         if mended[STEP_4_STATES]:
             here[:] = z[j]
         for i in range(5):
-            after[i] = drift[j, i]
+            after[i] = affine[j, i]
             for n in range(5):
                 after[i] += a[j, i, n] * here[n]
         here[:] = after
         if mended[EQUILIBRIUM]:
             _equilibrium(b[j], r, ms[j], gs[j + 1], after, both)
         else:
-            if not mended[BEST_RESPONSE]:  # there the received input is part of the drift
+            if not mended[BEST_RESPONSE]:  # there the received input is part of the affine term
                 both[2], both[3] = w[j, 0] - base[0], w[j, 1] - base[1]
                 for i in range(5):
                     after[i] += b[j, i, 2] * both[2] + b[j, i, 3] * both[3]

@@ -9,8 +9,8 @@ an interval is c + (v - c) m, with E = exp(-dt/tau) and m = (tau/dt)(1 - E). Wit
 import math
 from typing import NamedTuple
 
+from agents.kernels.drifting import between, wrap_small
 from agents.kernels.jit import MATRIX, MATRIX_OUT, REAL, TABLE_OUT, VECTOR, VECTOR_OUT, kernel_for, named
-from agents.kernels.motion import between, wrap_small
 from agents.kernels.unicycle import derivatives, step
 from formation.arrays import FloatArray
 

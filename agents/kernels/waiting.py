@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.kernels.drifting import age_drifting, between
 from agents.kernels.jit import (
     FLAG,
     MATRIX,
@@ -24,7 +25,6 @@ from agents.kernels.jit import (
     kernel_for,
     named,
 )
-from agents.kernels.motion import age_drifting, between
 from formation.arrays import FloatArray, IntArray
 
 CHARGE, LEAK = 0.1, 1.5

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.kernels.drifting import slot_at, wrap_small
 from agents.kernels.jit import (
     FLAG,
     MATRIX,
@@ -22,7 +23,6 @@ from agents.kernels.jit import (
     kernel_for,
     named,
 )
-from agents.kernels.motion import slot_at, wrap_small
 from agents.kernels.unicycle import step
 from agents.kernels.window_state import (
     DL,

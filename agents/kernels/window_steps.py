@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from agents.kernels.drifting import between, wrap_small
 from agents.kernels.jit import kernel
-from agents.kernels.motion import between, wrap_small
 from agents.kernels.window_state import DL, DV, DW, THETA, Core, Tuning
 from formation.arrays import FloatArray
 

@@ -7,7 +7,7 @@ from bisect import bisect_left
 import numpy as np
 
 from dashboard.telemetry.export_buffer import DEAD, HELD, ExportData
-from formation.links import plan_links
+from formation.link_ids import plan_links
 
 
 def as_csv(data: ExportData) -> bytes:

@@ -4,7 +4,7 @@ from typing import Any
 
 import viser
 
-from dashboard.panels.requests import RequestQueue
+from dashboard.requests import RequestQueue
 from network.control import Kill, Operation, Restart
 from network.messages import State
 

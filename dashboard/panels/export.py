@@ -10,7 +10,7 @@ from dashboard.export.csv_table import as_csv
 from dashboard.export.file_name import file_name
 from dashboard.export.picture import as_png
 from dashboard.export.replay import as_replay
-from dashboard.panels.notices import Notify
+from dashboard.notices import Notify
 from dashboard.scene.path_line import path_points
 from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.subscriber import Snapshot

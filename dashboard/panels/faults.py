@@ -7,10 +7,10 @@ from typing import Any
 import viser
 
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
-from dashboard.panels.requests import RequestQueue
+from dashboard.requests import RequestQueue
 from dashboard.theme.templates import render
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault
-from formation.links import LinkId, plan_links
+from formation.link_ids import LinkId, plan_links
 from network.control import SetPreset
 from network.messages import State
 

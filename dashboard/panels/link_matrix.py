@@ -8,7 +8,7 @@ from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
-from formation.links import LinkId
+from formation.link_ids import LinkId
 
 MATRIX_ROBOTS = 8
 """With more robots the links are shown as a list."""

@@ -6,8 +6,8 @@ import viser
 
 from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
-from dashboard.panels.requests import RequestQueue
 from dashboard.panels.run_summary import run_summary
+from dashboard.requests import RequestQueue
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from formation.faults import PERFECT, Fault
-from formation.links import LinkId, plan_links
+from formation.link_ids import LinkId, plan_links
 from network.messages import State, Status
 from network.topics import STATUS
 from network.values import LinkCounts

@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.leader_follower import Follower
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from experiments.errata.evidence import Case, Numbers
 from experiments.errata.ring_map import Ring, Wording
 from formation.arrays import FloatArray
@@ -176,7 +176,7 @@ def leaving_the_place() -> Numbers:
     speeds = []
     for errata in ((), (13,)):
         scenario = load("circle", {"controller": {"name": "leader_follower", "errata": errata}})
-        pair = Pair(scenario, 2)
+        pair = Task(scenario, 2)
         place, omega_l = np.subtract(*pair.offsets(0)), 0.05
         v_l = omega_l * (0.8 + place[1] / 2.0)  # robot 1 drives outside
         leader, inputs = np.zeros(3), np.tile([v_l, omega_l], (pair.horizon, 1))

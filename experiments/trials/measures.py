@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from experiments.metrics import recovery, trailing_rms
 from formation.arrays import FloatArray
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive

@@ -15,8 +15,7 @@ from formation.errors import FaultError
 from formation.faults import Fault, ScheduledFault
 from formation.feasibility import Feasibility, examine
 from formation.formation_spec import Formation
-from formation.links import links_named
-from formation.motion import Motion
+from formation.link_ids import links_named
 from formation.offsets import Offsets
 from formation.orientation import orientation_of
 from formation.paths.kinds import AnyPath
@@ -29,6 +28,7 @@ from formation.scenario.lockstep import Lockstep
 from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
+from formation.slot_motion import Motion
 from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000

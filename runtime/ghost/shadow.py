@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Ghost
 from runtime.inprocess import Simulation

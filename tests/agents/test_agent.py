@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from agents.agent import Agent, Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.estimator import Estimate, Measurement
 from agents.motor_model import MotorModel
 from agents.window_estimator import WindowEstimator
@@ -21,8 +21,8 @@ SEEDS = st.integers(0, 2**32)
 
 def estimator(scenario: Scenario, robot: int = 1) -> WindowEstimator:
     """Of a robot that hears nobody, and sees its upstream neighbour if the bodies do."""
-    pair = Pair(scenario, robot)
-    return WindowEstimator(scenario, pair, MotorModel(scenario, pair.limits), sees=True, listens=False)
+    task = Task(scenario, robot)
+    return WindowEstimator(scenario, task, MotorModel(scenario, task.limits), sees=True, listens=False)
 
 
 def sensed(scenario: Scenario) -> tuple[list[FloatArray], dict[int, Measurement]]:

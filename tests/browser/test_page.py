@@ -19,7 +19,7 @@ from dashboard.theme import colours
 from dashboard.theme.palette import DARK, LIGHT, Palette
 from formation.arrays import FloatArray
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.control import Compare, SetFault, UseController
 from tests.browser.browser_run import ROOT, RUN, BrowserRun
 from tests.browser.driven import Driven

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from formation.formation_spec import Formation
 from formation.metrics import wrapped
-from formation.motion import Motion
 from formation.offsets import Offsets
 from formation.orientation import Along
 from formation.paths.kinds import Circle, Figure8
 from formation.paths.path import Path
 from formation.schedule import MARGIN, Schedule
+from formation.slot_motion import Motion
 
 FORMATION = Formation.model_validate({"shape": "triangle", "spacing": 0.2})
 LIMITS = np.array([0.3, 1.0])

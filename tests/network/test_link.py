@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from formation.errors import WireError
 from formation.faults import PRESETS, Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.codec import decode, encode
 from network.link import MEMORY, QUEUE_LIMIT, Arrival, Link, damaged
 from network.messages import Plan

@@ -23,7 +23,7 @@ from network.control import GetSummary, Start
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime import inprocess
-from runtime.process_list import Plan, programs
+from runtime.process_list import RunPlan, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 from tests.processes.live import echelon, wait_for
@@ -53,7 +53,9 @@ def simulate(
     """One episode as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
-        plan = Plan("lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True)
+        plan = RunPlan(
+            "lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True
+        )
         found = programs(plan, scenario)
         random.Random(order).shuffle(found)
         supervisor = Supervisor("lockstep", print)

@@ -12,7 +12,7 @@ import yaml
 from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
-from runtime.process_list import Plan, Program, programs
+from runtime.process_list import Program, RunPlan, programs
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
@@ -84,7 +84,7 @@ def test_overrides_reach_the_world_and_the_number_of_robots() -> None:
 def test_the_same_processes_as_the_launcher_starts() -> None:
     """Only where they meet differs: endpoint, the run's folder, the page's host."""
     socket, page = "unixsock-stream/S", ("127.0.0.1", PAGE_PORT)
-    here = Plan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page, ghost=True)
+    here = RunPlan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page, ghost=True)
     places = ("--connect", "--listen", "--folder", "--host")
     launched = {
         service_name(program): ["python", "-m", program.module, *without(program.arguments, *places)]

@@ -10,7 +10,7 @@ import pytest
 
 from agents.agent import Agent
 from formation.arrays import FloatArray
-from formation.links import plan_links
+from formation.link_ids import plan_links
 from formation.pattern import downstream
 from formation.scenario.files import load, parse
 from formation.scenario.scenario import Scenario

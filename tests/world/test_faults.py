@@ -16,7 +16,7 @@ from formation.faults import (
     preset,
     with_changes,
 )
-from formation.links import LinkId, every_link, links_named, plan_links
+from formation.link_ids import LinkId, every_link, links_named, plan_links
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from formation.units import seconds, share

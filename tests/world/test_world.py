@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from formation.arrays import FloatArray
 from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
-from formation.links import LinkId, plan_links
+from formation.link_ids import LinkId, plan_links
 from formation.metrics import pattern_errors, tracking_error
 from formation.paths.path import heading
 from formation.pattern import rotate, upstream

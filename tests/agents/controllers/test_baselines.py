@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from agents.agent import Agent
 from agents.controllers.centralised import Team
 from agents.controllers.consensus import Consensus
-from agents.controllers.pair import Pair
 from agents.controllers.pair_game import weights as nash_weights
+from agents.controllers.task import Task
 from agents.kernels.consensus import roll_law
 from agents.kernels.lq import cost, optimise
 from agents.kernels.pair_cost import cost as pair_cost
@@ -218,7 +218,7 @@ def test_gains_are_as_large_as_limits_and_sampling_allow(spacing: Any, v: Any, o
         f"robots.limits={{v={v}, omega={omega}}}",
         f"controller.prediction_interval={interval}",
     )
-    law = Consensus(own, Pair(own, 1))
+    law = Consensus(own, Task(own, 1))
     used = [
         law._gain * spacing / v,  # an error of one spacing asks for no more than the speed there is
         law._gain * spacing / (omega * law._reach),  # nor, across, for a faster turn
@@ -309,13 +309,13 @@ def test_no_step_ever_raises_the_cost(seed: Any) -> None:
 @pytest.mark.parametrize("name", ["figure8", "triangle-circle", "square-figure8"])
 def test_the_teams_cost_is_the_sum_of_the_games_that_nash_plays(name: str) -> None:
     task, k, g = load(name), 700, np.random.default_rng(5)
-    slots, targets, weights, r, interval = Team(task).task(k)
+    slots, targets, weights, r, interval = Team(task).problem(k)
     n = task.size
     x = slots[0] + 0.02 * g.standard_normal((n, 3))
     u = targets + 0.05 * g.standard_normal(targets.shape)
     games = 0.0
     for i in range(1, n + 1):
-        pair, both = Pair(task, i), [i - 1, upstream(i, n) - 1]
+        pair, both = Task(task, i), [i - 1, upstream(i, n) - 1]
         ahead, (q, own_r) = pair.ahead(k), nash_weights(task)
         poses, inputs = x[both].ravel(), np.ascontiguousarray(u[:, both].reshape(len(u), 4))
         games += pair_cost(poses, inputs, ahead.slots, ahead.inputs, interval, np.array(q), np.array([*own_r, *own_r]))
@@ -338,7 +338,7 @@ def test_agents_that_play_nash_never_plan_cheaper_than_the_team() -> None:
         best, converged = team.plan(k)
         assert converged
         played = np.stack([_plan_of(simulation.agents[i]) for i in simulation.world.robots], axis=1)
-        slots, targets, weights, r, interval = team.task(k)
+        slots, targets, weights, r, interval = team.problem(k)
 
         def cost_of(u: FloatArray, x: FloatArray = poses, task: Any = (slots, targets, weights, r, interval)) -> float:
             return cost(x.ravel().copy(), np.ascontiguousarray(u.reshape(len(u), -1)), *task)

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.leader_follower import Follower
-from agents.controllers.pair import Pair
 from agents.controllers.paper import Q_MORE, Q_TWO, Paper
+from agents.controllers.task import Task
 from agents.kernels import paper_errors, paper_game
 from experiments.errata import evidence
 from formation.arrays import FloatArray
@@ -183,9 +183,9 @@ class Bench:
         path = "path={kind='line', speed=0.1}" if kind == "line" else f"path.kind={kind}"
         settings_ = [path, "controller.name=paper", f"controller.errata={list(errata)}"]
         self.scenario = load("circle", settings_ + [f"{key}={value}" for key, value in more.items()])
-        self.pair = Pair(self.scenario, 1)
-        self.paper = Paper(self.scenario, 1, self.pair)
-        self.block, _ = self.pair.block(0)
+        self.task = Task(self.scenario, 1)
+        self.paper = Paper(self.scenario, 1, self.task)
+        self.block, _ = self.task.block(0)
 
     def plan(self, k: int, pose: FloatArray, other: FloatArray, w: FloatArray) -> FloatArray:
         message = Plan(2, k, k * 0.01, 0, other, DT, w)
@@ -281,7 +281,7 @@ def test_the_weights_are_those_of_the_tests_and_erratum_10_gives_the_third_the_s
     assert Q_TWO == (0.1, 0.1, 0.1, 0.5, 0.001)
     assert Q_MORE == (0.1, 0.1, 0.1, 0.2, 0.01)  # printed with four entries in the third test
     scenario = load("triangle-circle", ["controller.name=paper"])
-    assert tuple(Paper(scenario, 1, Pair(scenario, 1))._q) == Q_MORE
+    assert tuple(Paper(scenario, 1, Task(scenario, 1))._q) == Q_MORE
 
 
 # ---------------------------------------------------------------- errata of the data
@@ -306,7 +306,7 @@ def test_erratum_6_only_without_its_second_entry_is_p_v_the_centroid_of_all_thre
 
 def test_the_misprint_6_is_brought_back_on_request() -> None:
     scenario = load("triangle-circle", ["controller.name=paper", "controller.misprints=[6]"])
-    controller = Paper(scenario, 2, Pair(scenario, 2))
+    controller = Paper(scenario, 2, Task(scenario, 2))
     np.testing.assert_allclose(controller._pattern(0)[2], math.sqrt(3) / 6 * 0.1)
 
 
@@ -324,7 +324,7 @@ def test_erratum_7_the_second_robots_psi_r_is_theta_r_plus_pi() -> None:
 
 def test_the_misprint_7_is_the_second_robots_alone() -> None:
     scenario = load("figure8", ["controller.name=paper", "controller.misprints=[7]"])
-    assert [Paper(scenario, robot, Pair(scenario, robot))._mirrored for robot in (1, 2)] == [False, True]
+    assert [Paper(scenario, robot, Task(scenario, robot))._mirrored for robot in (1, 2)] == [False, True]
 
 
 def test_erratum_8_the_first_path_starts_at_a_heading_of_atan_one_half() -> None:
@@ -350,8 +350,8 @@ def test_erratum_11_with_e_theta_below_the_followers_errors_shrink(seed: Any) ->
     """V = (e_x^2 + e_y^2 + e_theta^2) / 2 has V' = -k_x e_x^2 - k_theta e_theta^2 with the mended law, exactly."""
     g = np.random.default_rng(seed)
     scenario = load("circle", ["controller.name=leader_follower", "robots.limits.v=1e6", "robots.limits.omega=1e6"])
-    pair = Pair(scenario, 2)
-    v_l, place = 0.2, -np.diff(pair.offsets(0), axis=0)[0]
+    task = Task(scenario, 2)
+    v_l, place = 0.2, -np.diff(task.offsets(0), axis=0)[0]
     leader = np.array([0.3, -0.2, g.uniform(-3, 3)])
     e_x, e_y, e_theta = g.uniform(-0.1, 0.1, 3) * np.array([1, 1, 10])
     theta = leader[2] - e_theta
@@ -360,7 +360,7 @@ def test_erratum_11_with_e_theta_below_the_followers_errors_shrink(seed: Any) ->
     inputs = np.tile([v_l, 0.0], (20, 1))  # a leader that goes straight: its place moves as it does
     message = Plan(1, 0, 0.0, 0, leader, DT, inputs)
     v, omega = (
-        Follower(scenario, 2, pair).plan(Observation(0, pose, NeighborEstimate(leader, inputs, message))).inputs[0]
+        Follower(scenario, 2, task).plan(Observation(0, pose, NeighborEstimate(leader, inputs, message))).inputs[0]
     )
 
     def slope(turn: float) -> float:

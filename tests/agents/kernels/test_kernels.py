@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.belief import Belief
-from agents.controllers.pair import Pair
 from agents.controllers.pair_game import PLACE, Game, weights
+from agents.controllers.task import Task
 from agents.kernels.pair_cost import cost, improve
 from agents.kernels.unicycle import age, derivatives, shift
 from formation.arrays import FloatArray
@@ -184,9 +184,9 @@ class Bench:
     def __init__(self, name: str, k: int, robot: int = 1, *settings_: str) -> None:
         self.scenario: Scenario = load(name, settings_)
         self.k, self.robot = k, robot
-        self.pair = Pair(self.scenario, robot)
-        self.game = Game(self.scenario, robot, self.pair)
-        self.slots, self.aims = self.pair.ahead(k).pair
+        self.task = Task(self.scenario, robot)
+        self.game = Game(self.scenario, robot, self.task)
+        self.slots, self.aims = self.task.ahead(k).pair
         self.x0 = self.slots[0].ravel().copy()
         self.targets = self.aims.reshape(N, 4).copy()
         q, r = weights(self.scenario)
@@ -201,14 +201,14 @@ class Bench:
         return float(cost(x0, inputs, *self._data(), self.q, self.r))
 
     def _data(self) -> tuple[Any, ...]:
-        return self.slots, self.aims, self.pair.interval
+        return self.slots, self.aims, self.task.interval
 
     # ---- the same problem with dense matrices, from its description
 
     def weight(self, point: int) -> FloatArray:
         """W = J' diag(q) J of the residuals: centre, mean heading, radial, tangential, half-difference."""
         row = self.k - self.k % BLOCK_TICKS
-        theta = self.scenario.reference().block(self.k).centre[self.k - row + point * self.pair.stride, 2]
+        theta = self.scenario.reference().block(self.k).centre[self.k - row + point * self.task.stride, 2]
         pattern = self.scenario.pattern
         psi, distance = theta + pattern.angle[self.robot - 1], pattern.distance[self.robot - 1]
         n, t = np.array([-math.sin(psi), math.cos(psi)]), np.array([math.cos(psi), math.sin(psi)])
@@ -371,7 +371,7 @@ def test_turning_and_shifting_the_scene_does_not_change_the_step(name: Any, k: A
 
     slots = np.ascontiguousarray(moved(bench.slots).reshape(bench.slots.shape))
     there = np.empty((N, 4))
-    improve(moved(x0).ravel(), nominal, slots, bench.aims, bench.pair.interval, bench.q, bench.r, WIDE, there)
+    improve(moved(x0).ravel(), nominal, slots, bench.aims, bench.task.interval, bench.q, bench.r, WIDE, there)
     np.testing.assert_allclose(there, here, atol=1e-9)
 
 

@@ -5,7 +5,7 @@ import pytest
 from dashboard.page import Page
 from dashboard.panels import faults
 from formation.faults import Fault
-from formation.links import LinkId, links_named
+from formation.link_ids import LinkId, links_named
 from tests.builders import state
 
 

@@ -10,7 +10,7 @@ from dashboard.panels.link_matrix import MATRIX_ROBOTS, link_matrix
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from tests.builders import state, status
 
 

@@ -6,7 +6,7 @@ import pytest
 from dashboard.scene.layers import Sizes, arrows, held_plans, horizons, own_plans
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from tests.builders import plan, state, status
 
 

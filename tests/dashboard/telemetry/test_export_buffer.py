@@ -5,7 +5,7 @@ import numpy as np
 from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, ExportBuffer
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.values import Event
 from tests.builders import state
 from tests.dashboard.fakes import kept

@@ -2,7 +2,7 @@
 
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, ring_links
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network.values import LinkCounts
 from tests.builders import state, status
 

@@ -8,7 +8,7 @@ import pytest
 from dashboard.page import Page
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.faults import Fault
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from network import topics
 from network.bus import Sample
 from network.codec import encode, seal

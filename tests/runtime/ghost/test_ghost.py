@@ -8,7 +8,7 @@ import pytest
 
 from formation.errors import FaultError
 from formation.faults import Fault
-from formation.links import LinkId, every_link
+from formation.link_ids import LinkId, every_link
 from formation.scenario.files import load
 from network.codec import MAX_BYTES, encode
 from network.control import Compare, FaultTables, GetFaults, Pause, SetFault, operation, request

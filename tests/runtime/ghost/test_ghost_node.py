@@ -5,7 +5,7 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formation.links import LinkId
+from formation.link_ids import LinkId
 from formation.scenario.files import load
 from network import topics
 from network.bus import Sample, perform
@@ -43,7 +43,7 @@ def follow(run: MemoryRun, seconds: float, turn: Any) -> None:
 )
 def test_the_ghost_of_the_live_controller_is_where_the_live_run_was(weather: Weather, fault: bool, reset: bool) -> None:
     run = MemoryRun(load("triangle-circle", SETTINGS), weather)
-    run.ask_until(Speed(speed=1.0), lambda: run.node._pace.speed == 1.0)
+    run.ask_until(Speed(speed=1.0), lambda: run.node._rate.speed == 1.0)
     bus, node, log = run.hub.join(run.user.run, "ghost"), GhostNode(run.user.run), ThrottledLog()
     states = bus.keep(topics.state(bus.run), 1)
     bus.announce(topics.ghost(bus.run))
@@ -62,7 +62,7 @@ def test_the_ghost_of_the_live_controller_is_where_the_live_run_was(weather: Wea
                 message: Any = decode(kind, item.payload)
                 into[message.episode, message.stamp] = message.poses.tobytes()
 
-    run.ask_until(Compare(controller="nash"), lambda: run.node._orders.compare == "nash")
+    run.ask_until(Compare(controller="nash"), lambda: run.node._control.compare == "nash")
     follow(run, 0.5, turn)
     if fault:
         before = run.world.revision

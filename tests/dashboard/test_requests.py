@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from dashboard.panels.requests import RequestQueue
+from dashboard.requests import RequestQueue
 from network.bus import Bus
 from network.control import Pause, SetFault
 from network.messages import Reply

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.kernels.unicycle import age
 from formation.arrays import FloatArray
 from network.messages import Plan
@@ -41,17 +41,17 @@ LEAST = 1e-4
 """A lag below this is set to zero [s]."""
 
 
-class Progress:
+class PairWaiting:
     """The lag of one robot, from planning tick to planning tick."""
 
-    def __init__(self, pair: Pair, spacing: float) -> None:
+    def __init__(self, task: Task, spacing: float) -> None:
         """A robot without a lag.
 
         Args:
-            pair: its task.
+            task: its task.
             spacing: of the formation [m].
         """
-        self._pair, self._spacing = pair, spacing
+        self._task, self._spacing = task, spacing
         self._k = 0
         self._short = 0.0
         self._planned: tuple[FloatArray, FloatArray] | None = None
@@ -66,22 +66,22 @@ class Progress:
             pose: (3,) of the robot now.
             plan: the newest of its upstream neighbour.
         """
-        pair = self._pair
-        elapsed, self._k = (k - self._k) * pair.tick, k
-        slot, speed = pair.target(k)
+        task = self._task
+        elapsed, self._k = (k - self._k) * task.tick, k
+        slot, speed = task.target(k)
         forward = math.copysign(1.0, speed)
         behind = min(forward * _along(slot[2], slot - pose), forward * self._shortfall(pose, elapsed))
         hold = min(max((behind / self._spacing - FREE) / WIDTH, 0.0), 1.0)
-        self.lag_rate = hold - (1.0 - hold) * min(self._haste(speed), pair.lag / SETTLE)
+        self.lag_rate = hold - (1.0 - hold) * min(self._haste(speed), task.lag / SETTLE)
         change = elapsed * self.lag_rate
-        ahead = self._others(k, plan) - pair.lag
+        ahead = self._others(k, plan) - task.lag
         if ahead > 0.0:
             change += min(PULL * elapsed, 1.0) * ahead
         change = min(change, (1.0 + REVERSE) * elapsed)
-        lag = min(max(pair.lag + change, 0.0), k * pair.tick)
+        lag = min(max(task.lag + change, 0.0), k * task.tick)
         lag = 0.0 if lag < LEAST and hold == 0.0 else lag
-        pace = 1.0 - (lag - pair.lag) / elapsed if elapsed > 0.0 else 1.0
-        pair.lag, pair.pace = lag, min(max(pace, 0.0), 1.0 + HASTE)
+        pace = 1.0 - (lag - task.lag) / elapsed if elapsed > 0.0 else 1.0
+        task.lag, task.pace = lag, min(max(pace, 0.0), 1.0 + HASTE)
 
     def planned(self, pose: FloatArray, inputs: FloatArray) -> None:
         """Record the new plan: inputs (N, 2) from the pose (3,) now."""
@@ -92,19 +92,19 @@ class Progress:
         self._short *= math.exp(-elapsed / MEMORY)
         if self._planned is not None:
             expected = np.empty(3)
-            age(*self._planned, elapsed, self._pair.interval, expected)
+            age(*self._planned, elapsed, self._task.interval, expected)
             self._short += _along(pose[2], expected - pose)
         return self._short
 
     def _haste(self, speed: float) -> float:
         """Rate at which the own limits allow to reduce a lag, from the speed of the slot [m/s]."""
-        return min(max(MARGIN * float(self._pair.limits[0]) / max(abs(speed), 1e-9) - 1.0, 0.0), HASTE)
+        return min(max(MARGIN * float(self._task.limits[0]) / max(abs(speed), 1e-9) - 1.0, 0.0), HASTE)
 
     def _others(self, k: int, plan: Plan | None) -> float:
         """The neighbour's lag now, extrapolated from its newest plan [s]."""
         if plan is None:
             return 0.0
-        age = k * self._pair.tick - plan.stamp
+        age = k * self._task.tick - plan.stamp
         return plan.lag + plan.lag_rate * age if age < len(plan.inputs) * plan.interval else 0.0
 
 

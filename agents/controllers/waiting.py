@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.controllers.interface import NeighborEstimate, Observation
-from agents.controllers.pair import Pair
+from agents.controllers.task import Task
 from agents.kernels import waiting
 from agents.kernels.waiting import FRESH, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, Self
 from formation.arrays import FloatArray
@@ -25,25 +25,25 @@ class Said(NamedTuple):
     """(N, 2) mean body velocities, no faster than the robot got lately while it waits."""
 
 
-class Waits:
+class Waiting:
     """The waiting of one robot, from planning tick to planning tick; keeps its pair's lag and pace."""
 
-    def __init__(self, pair: Pair, robot: int, robots: int, spacing: float) -> None:
+    def __init__(self, task: Task, robot: int, robots: int, spacing: float) -> None:
         """A robot on time.
 
         Args:
-            pair: its task.
+            task: its task.
             robot: its number.
             robots: how many there are.
             spacing: of the formation [m].
         """
-        self._pair, self._row, self._spacing = pair, robot - 1, spacing
-        self.state = waiting.start(robots, pair.horizon)
-        self._step = pair.every * pair.tick
+        self._task, self._row, self._spacing = task, robot - 1, spacing
+        self.state = waiting.start(robots, task.horizon)
+        self._step = task.every * task.tick
 
     def update(self, observation: Observation) -> bool:
         """Bring the pair's lag and pace to the observation; whether anybody waits, as far as is known."""
-        pair, state, at = self._pair, self.state, float(observation.k)
+        task, state, at = self._task, self.state, float(observation.k)
         waits = False
         for neighbour in (observation.upstream, observation.downstream):
             waits |= self._hear(neighbour, at)
@@ -57,15 +57,15 @@ class Waits:
             math.sqrt(max(variance, 0.0)),
             float(observation.disturbance[0]),
             observation.rejected,
-            observation.gap,
+            observation.motor_gap,
         )
-        late = (state.real[LAG] + (1.0 - state.real[PACE]) * self._step) / pair.tick
-        slot, rates = pair.place(max(at - late, 0.0))
+        late = (state.real[LAG] + (1.0 - state.real[PACE]) * self._step) / task.tick
+        slot, rates = task.place(max(at - late, 0.0))
         waiting.decide(
-            state, me, slot, rates, self._spacing, float(pair.limits[0]), self._step, pair.tick, pair.interval
+            state, me, slot, rates, self._spacing, float(task.limits[0]), self._step, task.tick, task.interval
         )
-        pair.lag, pair.pace = float(state.real[LAG]), float(state.real[PACE])
-        return bool(waiting.somebody(state, self._row, at, waits, pair.tick))
+        task.lag, task.pace = float(state.real[LAG]), float(state.real[PACE])
+        return bool(waiting.somebody(state, self._row, at, waits, task.tick))
 
     def rest(self, k: int) -> None:
         """Declare no need at tick k: a lost robot would hold everybody back, and the clock runs on."""
@@ -80,7 +80,7 @@ class Waits:
             return False
         plan = neighbour.plan
         waiting.merge(self.state, plan.news)
-        return plan.waits and at * self._pair.tick - plan.begins < FRESH
+        return plan.waits and at * self._task.tick - plan.begins < FRESH
 
     def planned(self, pose: FloatArray, motion: FloatArray, drift: FloatArray) -> Said:
         """What the robot is going to do: pose (3,), mean body velocities (N, 2), drift (2,); returns what it says."""

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.controllers.pair import Pair
-from agents.controllers.progress import HASTE, REVERSE, Progress
+from agents.controllers.pair_waiting import HASTE, REVERSE, PairWaiting
+from agents.controllers.task import Task
 from agents.kernels.unicycle import sample
 from formation.arrays import FloatArray
 from formation.scenario.files import load
@@ -34,29 +34,29 @@ def worst(simulation: Simulation) -> FloatArray:
 
 
 def lags(simulation: Simulation) -> list[float]:
-    return [agent._pair.lag for agent in simulation.agents.values()]
+    return [agent._task.lag for agent in simulation.agents.values()]
 
 
 # ---------------------------------------------------------------- the reference at another time and pace
 
 
 def test_on_time_the_sampled_reference_is_the_tables_rows_to_the_last_bit() -> None:
-    pair = Pair(load("figure8"), 1)
-    block, row = pair.block(700)
-    ahead = pair.ahead(700)
-    rows = row + pair.stride * np.arange(pair.horizon + 1)
+    task = Task(load("figure8"), 1)
+    block, row = task.block(700)
+    ahead = task.ahead(700)
+    rows = row + task.stride * np.arange(task.horizon + 1)
     np.testing.assert_array_equal(ahead.slots, block.slots[rows])
     np.testing.assert_array_equal(ahead.inputs, block.inputs[rows[:-1]])
 
 
 def test_a_lag_is_the_reference_of_earlier_and_between_ticks_it_is_interpolated() -> None:
-    pair = Pair(load("figure8"), 2)
-    earlier = pair.ahead(500)
-    pair.lag = 2.0
-    late = pair.ahead(700)
+    task = Task(load("figure8"), 2)
+    earlier = task.ahead(500)
+    task.lag = 2.0
+    late = task.ahead(700)
     np.testing.assert_allclose(late.slots, earlier.slots, atol=1e-12)
-    pair.lag = 2.005
-    between, before = pair.ahead(700), Pair(load("figure8"), 2).ahead(499)
+    task.lag = 2.005
+    between, before = task.ahead(700), Task(load("figure8"), 2).ahead(499)
     np.testing.assert_allclose(between.slots, (earlier.slots + before.slots) / 2, atol=1e-12)
 
 
@@ -70,12 +70,12 @@ def test_headings_are_interpolated_the_short_way_round() -> None:
 
 @pytest.mark.parametrize("pace", [0.0, 0.5, 1.5])
 def test_at_another_pace_the_horizon_covers_more_or_less_of_the_path_and_inputs_scale(pace: Any) -> None:
-    pair = Pair(load("circle"), 1)
-    normal = pair.ahead(100)
-    pair.pace = pace
-    ahead = pair.ahead(100)
-    block, row = pair.block(100)
-    end = row + round(pace * pair.stride * pair.horizon)
+    task = Task(load("circle"), 1)
+    normal = task.ahead(100)
+    task.pace = pace
+    ahead = task.ahead(100)
+    block, row = task.block(100)
+    end = row + round(pace * task.stride * task.horizon)
     np.testing.assert_allclose(ahead.slots[-1], block.slots[end], atol=1e-9)
     np.testing.assert_allclose(ahead.inputs, pace * normal.inputs, atol=1e-6)
 
@@ -149,10 +149,10 @@ def test_lags_do_not_feed_themselves_round_the_ring(settings: Any) -> None:
 # ---------------------------------------------------------------- one robot's book-keeping
 
 
-def progress(*settings: str) -> tuple[Scenario, Pair, Progress]:
+def progress(*settings: str) -> tuple[Scenario, Task, PairWaiting]:
     scenario = load("triangle-circle", ["robots={}", *settings])
-    pair = Pair(scenario, 1)
-    return scenario, pair, Progress(pair, scenario.spacing)
+    task = Task(scenario, 1)
+    return scenario, task, PairWaiting(task, scenario.spacing)
 
 
 def said(k: int, lag: float, lag_rate: float = 0.0) -> Plan:
@@ -160,39 +160,39 @@ def said(k: int, lag: float, lag_rate: float = 0.0) -> Plan:
 
 
 def test_a_heard_lag_is_taken_over_and_what_travelled_is_added() -> None:
-    _, pair, one = progress()
+    _, task, one = progress()
     for k in range(1, 101):
-        one.update(k, pair.slot(k, 0)[0], said(k, 0.2))
-    assert pair.lag == pytest.approx(0.2, abs=0.01)
+        one.update(k, task.slot(k, 0)[0], said(k, 0.2))
+    assert task.lag == pytest.approx(0.2, abs=0.01)
     for k in range(101, 201):
-        one.update(k, pair.slot(k, 0)[0], said(k - 50, 0.2, lag_rate=1.0))
-    assert pair.lag == pytest.approx(0.7, abs=0.03)
+        one.update(k, task.slot(k, 0)[0], said(k - 50, 0.2, lag_rate=1.0))
+    assert task.lag == pytest.approx(0.7, abs=0.03)
 
 
 def test_a_lag_changes_at_a_bounded_rate_and_a_plan_that_has_ended_holds_nobody() -> None:
-    _, pair, one = progress()
+    _, task, one = progress()
     last = 0.0
     for k in range(1, 301):
-        one.update(k, pair.slot(k, 0)[0], said(k, 3.0))
-        assert -HASTE * 0.01 - 1e-9 <= pair.lag - last <= (1.0 + REVERSE) * 0.01 + 1e-9
-        assert 0.0 <= pair.pace <= 1.0 + HASTE
-        assert pair.lag <= k * 0.01  # never before the start
-        last = pair.lag
+        one.update(k, task.slot(k, 0)[0], said(k, 3.0))
+        assert -HASTE * 0.01 - 1e-9 <= task.lag - last <= (1.0 + REVERSE) * 0.01 + 1e-9
+        assert 0.0 <= task.pace <= 1.0 + HASTE
+        assert task.lag <= k * 0.01  # never before the start
+        last = task.lag
     for k in range(501, 2000):
-        one.update(k, pair.slot(k, 0)[0], said(300, 3.0))
-    assert pair.lag == 0.0
+        one.update(k, task.slot(k, 0)[0], said(300, 3.0))
+    assert task.lag == 0.0
 
 
 def test_only_who_does_not_move_as_planned_holds_back() -> None:
-    _, pair, one = progress()
-    slot = pair.slot(0, 0)[0]
+    _, task, one = progress()
+    slot = task.slot(0, 0)[0]
     behind = slot - np.array([0.0, 0.05, 0.0])  # the path begins along y
     for k in range(1, 60):  # behind, but it goes where its plan says
         one.planned(behind, np.zeros((20, 2)))
         one.update(k, behind, None)
-    assert pair.lag == 0.0
+    assert task.lag == 0.0
     for k in range(60, 160):  # behind, and it does not
         one.planned(behind, np.full((20, 2), [0.1, 0.0]))
         one.update(k, behind, None)
     assert one.lag_rate == 1.0
-    assert pair.lag > 0.5
+    assert task.lag > 0.5

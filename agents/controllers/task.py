@@ -31,7 +31,7 @@ class HorizonReference:
         return np.ascontiguousarray(self.slots[:, :2]), np.ascontiguousarray(self.inputs[:, :2])
 
 
-class Pair:
+class Task:
     """The task of one robot and its upstream neighbour: references by tick, and the pattern between them."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -54,7 +54,7 @@ class Pair:
         self.columns_of_sides = (1, 3)
         """Columns of the upstream and the downstream neighbour."""
         self.lag = 0.0
-        """How far the robot's reference time is behind the clock [s] (agents/controllers/progress.py)."""
+        """How far the robot's reference time is behind the clock [s] (agents/controllers/waiting.py, pair_waiting.py)."""
         self.pace = 1.0
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None

@@ -5,7 +5,7 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
-from dashboard.panels.notices import Notify
+from dashboard.notices import Notify
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.errors import WireError
 from network.bus import Bus

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from dashboard.panels.notices import AT_ONCE, COLOURS, Notices
+from dashboard.notices import AT_ONCE, COLOURS, Notices
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import Snapshot
 from formation.faults import Fault
-from formation.links import LinkId, plan_links
+from formation.link_ids import LinkId, plan_links
 from network.messages import State
 from network.values import Event, Severity
 from tests.builders import state

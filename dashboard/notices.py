@@ -6,7 +6,7 @@ import viser
 
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
-from formation.links import LinkId
+from formation.link_ids import LinkId
 
 GOOD, WORSE, BAD, NEUTRAL = (52, 199, 150), (247, 184, 62), (240, 72, 92), (86, 180, 233)
 COLOURS = {"info": GOOD, "warning": WORSE, "error": BAD}

@@ -40,6 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if _starts_processes(words):
+        importlib.import_module("runtime.fork_server").start_early()
     options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
     return _guarded(options)
 
@@ -58,6 +60,13 @@ def _commands(wanted: Sequence[str]) -> argparse.ArgumentParser:
         if name in wanted:
             importlib.import_module(f"cli.{name}").arguments(command)
     return parser
+
+
+def _starts_processes(words: Sequence[str]) -> bool:
+    """Whether the command will start a run's processes, as its bare words tell: a wrong guess costs time only."""
+    if not {"-h", "--help"}.isdisjoint(words):
+        return False
+    return words[:1] == ["up"] or (words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words))
 
 
 def _guarded(options: argparse.Namespace) -> int:

@@ -37,6 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if _starts_processes(words):
+        importlib.import_module("runtime.fork_server").start_early()
     parser = _Parser(prog="echelon", description="Formations of wheeled robots with a controller process each.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, text in COMMANDS.items():
@@ -45,6 +47,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             importlib.import_module(f"cli.{name}").arguments(command)
     options = parser.parse_args(words)
     return _guarded(options)
+
+
+def _starts_processes(words: Sequence[str]) -> bool:
+    """Whether the command will start a run's processes, as its bare words tell: a wrong guess costs time only."""
+    if not {"-h", "--help"}.isdisjoint(words):
+        return False
+    return words[:1] == ["up"] or (words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words))
 
 
 def _guarded(options: argparse.Namespace) -> int:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, FiniteFloat, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
@@ -18,31 +18,37 @@ MAX_SECONDS, FARTHEST = 1e6, 1e6
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
-class Start(Model):
+class _Operation(Model):
+    """A request to the world, or a value of a reply. Its validator is made when the first one comes in."""
+
+    model_config = ConfigDict(defer_build=True)
+
+
+class Start(_Operation):
     """Start, or continue."""
 
 
-class Pause(Model):
+class Pause(_Operation):
     """Stop simulated time after the current tick."""
 
 
-class Step(Model):
+class Step(_Operation):
     """Pause, then run this many ticks."""
 
     ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
 
 
-class Reset(Model):
+class Reset(_Operation):
     """Start a new episode."""
 
 
-class Speed(Model):
+class Speed(_Operation):
     """Simulated seconds per second; 0 means as fast as possible."""
 
     speed: Annotated[NonNegative, Field(le=1000.0)]
 
 
-class SetFault(Model):
+class SetFault(_Operation):
     """Change keys of a link's fault, for some simulated time or until further notice."""
 
     link: str = "all"
@@ -51,7 +57,7 @@ class SetFault(Model):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class SetPreset(Model):
+class SetPreset(_Operation):
     """Give a link the fault of a preset."""
 
     link: str = "all"
@@ -59,13 +65,13 @@ class SetPreset(Model):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class Clear(Model):
+class Clear(_Operation):
     """Remove the faults that users set on a link, and end the scheduled ones that are active now."""
 
     link: str = "all"
 
 
-class UseScenario(Model):
+class UseScenario(_Operation):
     """Switch to another scenario."""
 
     scenario: str
@@ -74,40 +80,40 @@ class UseScenario(Model):
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
-class UseController(Model):
+class UseController(_Operation):
     """Start the same scenario again with another controller."""
 
     controller: str
 
 
-class Kill(Model):
+class Kill(_Operation):
     """Have the launcher kill an agent (SIGKILL); it stays down until `Restart`."""
 
     robot: Robot
 
 
-class Restart(Model):
+class Restart(_Operation):
     """Have the launcher start a killed agent again, or replace a live one."""
 
     robot: Robot
 
 
-class Compare(Model):
+class Compare(_Operation):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
     controller: Annotated[str, AfterValidator(lambda name: check_name(name, "off"))]
     """A name, or "off"."""
 
 
-class Stop(Model):
+class Stop(_Operation):
     """End the run and its processes."""
 
 
-class GetSetup(Model):
+class GetSetup(_Operation):
     """Answered by a Setup instead of a Reply."""
 
 
-class Drive(Model):
+class Drive(_Operation):
     """Order a driven formation a speed and a turn rate, cut to what it can do."""
 
     v: OrderedSpeed
@@ -118,7 +124,7 @@ class Drive(Model):
     """Simulated time after which it slows to a stop; None: the order counts until the next one."""
 
 
-class GoTo(Model):
+class GoTo(_Operation):
     """Drive the centre of a driven formation to a point, and stop there."""
 
     x: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -126,7 +132,7 @@ class GoTo(Model):
     """[m]."""
 
 
-class GetOrders(Model):
+class GetOrders(_Operation):
     """The reply's value is an Orders: what repeats this episode so far, in parts."""
 
     tables: Annotated[int, Field(ge=0)] = 0
@@ -134,7 +140,7 @@ class GetOrders(Model):
     """Number of fault tables and of drive orders to leave out, because the client has them."""
 
 
-class Orders(Model):
+class Orders(_Operation):
     """What users and the schedule did to an episode: its fault tables, and the orders of its driver."""
 
     episode: int
@@ -147,7 +153,7 @@ class Orders(Model):
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
 
 
-class GetSummary(Model):
+class GetSummary(_Operation):
     """The reply's value is the summary of the episode."""
 
     warmup: NonNegative = 0.0

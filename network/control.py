@@ -117,9 +117,9 @@ class Drive(_Operation):
     """Order a driven formation a speed and a turn rate, cut to what it can do."""
 
     v: OrderedSpeed
-    """[m/s]."""
+    """Speed of the centre; below 0 backwards [m/s]."""
     omega: OrderedTurn
-    """[rad/s]."""
+    """Turn rate of the centre, counter-clockwise positive [rad/s]."""
     seconds: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
     """Simulated time after which it slows to a stop; None: the order counts until the next one."""
 
@@ -128,16 +128,18 @@ class GoTo(_Operation):
     """Drive the centre of a driven formation to a point, and stop there."""
 
     x: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
+    """Of the point [m]."""
     y: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
-    """[m]."""
+    """Of the point [m]."""
 
 
 class GetOrders(_Operation):
     """The reply's value is an Orders: what repeats this episode so far, in parts."""
 
     tables: Annotated[int, Field(ge=0)] = 0
+    """Number of fault tables to leave out, because the client has them."""
     drives: Annotated[int, Field(ge=0)] = 0
-    """Number of fault tables and of drive orders to leave out, because the client has them."""
+    """Number of drive orders to leave out, because the client has them."""
 
 
 class Orders(_Operation):

@@ -57,8 +57,9 @@ class Driving:
     orders: Count = 0
     """Number of orders in this episode."""
     v: Fast = 0.0
+    """Speed that is ordered now [m/s]."""
     omega: Fast = 0.0
-    """That are ordered now [m/s, rad/s]."""
+    """Turn rate that is ordered now [rad/s]."""
     goal: tuple[Far, Far] | None = None
     """Where the centre is driving to [m]; None if it follows an order."""
     __pydantic_config__ = STRICT

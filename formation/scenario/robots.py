@@ -11,18 +11,18 @@ class Limits(Model):
     """Limits of a robot's inputs: |v| <= v, |omega| <= omega."""
 
     v: Positive = 0.5
-    """[m/s]."""
+    """Largest |v| [m/s]."""
     omega: Positive = 2.0
-    """[rad/s]."""
+    """Largest |omega| [rad/s]."""
 
 
 class StartNoise(Model):
     """Standard deviations of the start poses."""
 
     position: NonNegative = 0.0
-    """[m], in x and in y."""
+    """Of x and of y [m]."""
     heading: NonNegative = 0.0
-    """[rad]."""
+    """Of the heading [rad]."""
 
 
 class Robots(Model):
@@ -38,7 +38,7 @@ class Noise(Model):
     """Noise, which the prediction model leaves out (docs/theory.md, section 9); n is standard normal."""
 
     slip: NonNegative = 0.0
-    """Each tick v and omega are multiplied by 1 + slip n, each with its own n."""
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n [1]."""
     gyro: NonNegative = 0.0
     """Each tick gyro n is added to omega [rad/s]."""
     position: NonNegative = 0.0

@@ -15,8 +15,6 @@ MAX_COMMANDS = 50_000
 """Orders that a scenario can hold: more than an hour at 10 Hz."""
 MAX_SPEED, MAX_TURN = 100.0, 100.0
 """Of an order [m/s, rad/s]; what the robots can do is far less, and orders are cut to it."""
-NOMINAL = 0.1
-"""Speed that a shape's change is timed for [m/s]."""
 
 OrderedSpeed = Annotated[FiniteFloat, Field(ge=-MAX_SPEED, le=MAX_SPEED)]
 OrderedTurn = Annotated[FiniteFloat, Field(ge=-MAX_TURN, le=MAX_TURN)]
@@ -25,7 +23,7 @@ OrderedTurn = Annotated[FiniteFloat, Field(ge=-MAX_TURN, le=MAX_TURN)]
 class Driven(Path):
     """Driven by orders of speed and turn rate, from a start pose (docs/theory.md, section 18)."""
 
-    lengths = ("acceleration",)
+    lengths = ("acceleration", "speed")
     kind: Literal["driven"]
     known_to: Literal["leader"] = "leader"
     start: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
@@ -34,6 +32,8 @@ class Driven(Path):
     """How fast the centre's speed follows an order [m/s2]."""
     turn_acceleration: Positive = 1.5
     """How fast its turn rate does [rad/s2]."""
+    speed: Positive = 0.1
+    """Speed for which a change of shape is timed; it is driven at any [m/s]."""
     commands: Annotated[tuple[tuple[Duration, OrderedSpeed, OrderedTurn], ...], Field(max_length=MAX_COMMANDS)] = ()
     """[[t, v, omega], ...]: orders that the scenario gives by itself, each until the next [s, m/s, rad/s]."""
 
@@ -55,6 +55,6 @@ class Driven(Path):
         return {**super().larger(by), "start": (by * x, by * y, theta), "commands": orders}
 
     def position(self, t: FloatArray) -> FloatArray:
-        """Straight on at a nominal speed: what is derived from a path before it is driven. It is driven elsewhere."""
+        """Straight on at `speed`: what is derived from a path before it is driven. It is driven elsewhere."""
         x, y, theta = self.start
-        return np.array([x, y]) + NOMINAL * np.stack([t * math.cos(theta), t * math.sin(theta)], axis=-1)
+        return np.array([x, y]) + self.speed * np.stack([t * math.cos(theta), t * math.sin(theta)], axis=-1)

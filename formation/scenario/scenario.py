@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Union
+from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
@@ -26,10 +26,10 @@ from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Block, Reference
-from formation.scenario.controllers import ControllerOptions, NashOptions
+from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
-from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
+from formation.scenario.registry import TOLD, AnyController, spec_of
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, Positive
@@ -40,21 +40,6 @@ MAX_TICKS = 1_000_000
 """Ticks of one episode: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
 MAX_STRIDE = 1000
 """Control intervals in one prediction interval."""
-
-
-def _named(given: object) -> object:
-    """The table of a controller with the name that it has by default."""
-    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
-
-
-if TYPE_CHECKING:
-    AnyController = ControllerOptions
-else:
-    AnyController = Annotated[
-        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
-        Field(discriminator="name"),
-        BeforeValidator(_named),
-    ]
 
 
 class Scenario(Model):

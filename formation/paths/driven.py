@@ -25,7 +25,8 @@ class Driven(Path):
 
     lengths = ("acceleration", "speed")
     kind: Literal["driven"]
-    known_to: Literal["leader"] = "leader"
+    known_to: Literal["all", "leader"] = "leader"
+    """Robot 1 alone hears the orders; the others pass its preview on round the ring."""
     start: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
     """Where the formation's centre stands at t = 0, and which way it heads [m, m, rad]."""
     acceleration: Positive = 0.2
@@ -39,6 +40,8 @@ class Driven(Path):
 
     @model_validator(mode="after")
     def _in_order(self) -> "Driven":
+        if self.known_to != "leader":
+            raise ValueError("known_to: expected leader, who alone hears the orders; got all")
         times = [t for t, _, _ in self.commands]
         for index, (before, after) in enumerate(itertools.pairwise(times), start=1):
             if after < before:

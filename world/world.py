@@ -120,9 +120,7 @@ class World:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
         held = set(self._commands.held)
-        for robot in self.robots:
-            self._commands.push(robot, commands.get(robot), now)
-        inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -130,7 +128,7 @@ class World:
         for robot, works in self.convergence.add(commands, now):
             text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
             self.event("agent", f"robot {robot}: its solver {text}", severity)
-        self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
         self._look()

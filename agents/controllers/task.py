@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.kernels.unicycle import sample
-from agents.kernels.window_filter import Table
+from agents.kernels.window.filter import Table
 from formation.arrays import FloatArray
 from formation.pattern import downstream, rotate, upstream
 from formation.reference import Block

@@ -17,6 +17,7 @@ from agents.driver_receiver import DriverReceiver
 from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
+from agents.sending import Sending
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -71,7 +72,7 @@ class Agent:
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
-        self._said: Plan | None = None
+        self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
         self._solves: list[float] = []
@@ -137,7 +138,7 @@ class Agent:
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
                 return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-            plan = self._said = self._plan(k, stamp, own)
+            plan = self._sending.offer(self._plan(k, stamp, own))
             solve = perf_counter() - began
             self._solves.append(solve)
         v, omega = self._input(k)
@@ -218,6 +219,7 @@ class Agent:
             news=solution.news,
             way=task.preview(k),
             lost=observation.lost,
+            number=self._sending.next,
         )
 
     def _sighted(self, aged: NeighborEstimate) -> NeighborEstimate:
@@ -247,7 +249,7 @@ class Agent:
             episode=self.episode,
             link=self._receivers[0].id,
             age=belief.seconds_old(stamp),
-            plan=self._said,
+            plan=self._sending.last,
             held=belief.plan,
             counts=self.counts(),
             solve=solve,
@@ -257,7 +259,7 @@ class Agent:
             pid=pid,
             converged=self._converged,
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
-            lost=self._said is not None and self._said.lost,
+            lost=self._sending.last is not None and self._sending.last.lost,
         )
 
     @property

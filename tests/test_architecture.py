@@ -59,7 +59,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"kernels", "states"},
         {"controllers"},
         {"belief", "driver_receiver", "estimator", "motor_model"},
-        {"window_estimator", "plan_receiver"},
+        {"window_estimator", "plan_receiver", "sending"},
         {"agent"},
         {"node"},
         {"process"},

@@ -64,11 +64,14 @@ class LiveRun:
         page = options.get("dashboard")
         address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
         self._claim = Claim(name, page=address)
-        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
-            # A pipe can be read once only, and nobody else needs the files that a scenario names.
-            file = self._claim.path / "scenario.json"
+        named = is_file(source) or any(path.endswith("file") for path in paths(overrides))
+        file = self._claim.path / "scenario.json"
+        if named or page:
             file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
+        if named:  # a pipe can be read once only, and nobody else needs the files that a scenario names
             source, overrides = str(file), {}
+        if page:
+            options["started"] = str(file)
         self._plan = RunPlan(
             name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )

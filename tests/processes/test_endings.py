@@ -71,7 +71,7 @@ def test_a_full_device_is_one_line(runs: Path, words: list[str]) -> None:
 def test_results_come_without_a_stderr(runs: Path, words: list[str], stream: str) -> None:
     with full_device() as full:
         closed = {"preexec_fn": lambda: os.close(2)} if stream == "closed" else {"stderr": full}
-        done = command(words, stdout=subprocess.PIPE, **closed)  # type: ignore[arg-type]
+        done = command(words, stdout=subprocess.PIPE, **closed)
     assert done.returncode == 0
     assert json.loads(done.stdout)
 

@@ -53,9 +53,10 @@ def held_signals() -> Iterator[None]:
 def start() -> None:
     """Start the fork server if it does not run yet. It ends with this process."""
     context()
-    multiprocessing.resource_tracker.ensure_running()  # or it would unblock signals below
-    with held_signals(), own_code():
-        multiprocessing.forkserver.ensure_running()
+    with own_code():
+        multiprocessing.resource_tracker.ensure_running()  # or it would unblock signals below
+        with held_signals():
+            multiprocessing.forkserver.ensure_running()
 
 
 def start_early() -> None:

@@ -19,6 +19,7 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
+from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
@@ -82,7 +83,9 @@ class LiveRun:
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
-            self._supervisor.start(programs(self._plan, self._scenario))
+            wanted = programs(self._plan, self._scenario)
+            check_enough(len(wanted))
+            self._supervisor.start(wanted)
             self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
             self._session.appear("launcher")

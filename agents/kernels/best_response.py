@@ -154,9 +154,11 @@ def plan_response(
     """
     steps = len(inputs)
     own, targets, nominal = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 2))
-    own[:] = slots[:, OWN]
-    targets[:] = inputs[:, OWN]
-    nominal[:] = targets
+    for j in range(steps + 1):
+        own[j, 0], own[j, 1], own[j, 2] = slots[j, OWN, 0], slots[j, OWN, 1], slots[j, OWN, 2]
+    for j in range(steps):
+        for c in range(2):
+            targets[j, c] = nominal[j, c] = inputs[j, OWN, c]
     if begun:
         shift(last, moved_on, interval, targets, nominal)
     direction, error, edge = np.zeros((2, steps + 1, 2)), np.zeros((2, steps + 1)), np.array([up_edge, down_edge])

@@ -13,9 +13,11 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
+from agents.driver_receiver import DriverReceiver
 from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
+from agents.sending import Sending
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -61,6 +63,7 @@ class Agent:
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
         if own.uses_downstream and scenario.size > 2:
             self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
+        self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
@@ -69,7 +72,7 @@ class Agent:
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
-        self._said: Plan | None = None
+        self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
         self._solves: list[float] = []
@@ -83,6 +86,8 @@ class Agent:
         for receiver in self._receivers:
             receiver.set_faults(faults)
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
+        if self._driver:
+            self._driver.set_faults(faults)
 
     @property
     def hears(self) -> list[int]:
@@ -120,6 +125,11 @@ class Agent:
                 self._task.hear(plan.way, k + self._motors.delay)
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
+        if self._driver:
+            self._driver.receive(tick)
+            preview = self._driver.preview(k) if k % self.planning == 0 or self._last is None else None
+            if preview is not None:
+                self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
         plan, solve = None, 0.0
@@ -128,7 +138,7 @@ class Agent:
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
                 return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-            plan = self._said = self._plan(k, stamp, own)
+            plan = self._sending.offer(self._plan(k, stamp, own))
             solve = perf_counter() - began
             self._solves.append(solve)
         v, omega = self._input(k)
@@ -209,6 +219,7 @@ class Agent:
             news=solution.news,
             way=task.preview(k),
             lost=observation.lost,
+            number=self._sending.next,
         )
 
     def _sighted(self, aged: NeighborEstimate) -> NeighborEstimate:
@@ -238,7 +249,7 @@ class Agent:
             episode=self.episode,
             link=self._receivers[0].id,
             age=belief.seconds_old(stamp),
-            plan=self._said,
+            plan=self._sending.last,
             held=belief.plan,
             counts=self.counts(),
             solve=solve,
@@ -247,8 +258,8 @@ class Agent:
             rejected=rejected,
             pid=pid,
             converged=self._converged,
-            way_age=self._task.way_age(k),
-            lost=self._said is not None and self._said.lost,
+            way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
+            lost=self._sending.last is not None and self._sending.last.lost,
         )
 
     @property

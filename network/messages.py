@@ -9,9 +9,11 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from network import values
 from network.fields import (
     STRICT,
     Count,
+    Drive,
     Flag,
     Inputs,
     Link,
@@ -32,7 +34,7 @@ from network.fields import (
     Velocity,
     Way,
 )
-from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Event, LinkCounts, Mode, RunStatus
+from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -67,6 +69,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
+    drive: Drive = field(default_factory=lambda: values.NO_DRIVE)
+    """To robot 1, over the link driver->1: what its driver sends at this tick."""
     __pydantic_config__ = STRICT
 
 
@@ -93,22 +97,24 @@ class Plan:
     """From `stamp` to when the plan begins: the time after which the sender's commands have an effect [s]."""
     waits: Flag = False
     """Whether it holds its lag up by its own need."""
-    drift: Velocity = field(default_factory=lambda: STILL)
+    drift: Velocity = field(default_factory=lambda: values.STILL)
     """Estimated velocity that carries it sideways, in the world frame [m/s]."""
-    twist: Velocity = field(default_factory=lambda: STILL)
+    twist: Velocity = field(default_factory=lambda: values.STILL)
     """Mean body velocity from `stamp` to `begins` [m/s, rad/s]."""
-    disturbance: Velocity = field(default_factory=lambda: STILL)
+    disturbance: Velocity = field(default_factory=lambda: values.STILL)
     """What it estimates to disturb its v and omega [m/s, rad/s]."""
-    odometry: Sums = field(default_factory=lambda: NO_SUMS)
+    odometry: Sums = field(default_factory=lambda: values.NO_SUMS)
     """Since its agent began: of the sender, then of the robots upstream of it that it passes on."""
-    measurements: Measurements = field(default_factory=lambda: NO_MEASUREMENTS)
+    measurements: Measurements = field(default_factory=lambda: values.NO_MEASUREMENTS)
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
-    news: News = field(default_factory=lambda: NO_NEWS)
+    news: News = field(default_factory=lambda: values.NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
-    way: Way = field(default_factory=lambda: NO_WAY)
+    way: Way = field(default_factory=lambda: values.NO_WAY)
     """The newest preview of the path that it knows; empty where every robot knows the path."""
     lost: Flag = False
     """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""
+    number: Count = 0
+    """Of the plans that the sender sent in this episode, from 0: a gap is a loss, a plan that was not sent is none."""
     __pydantic_config__ = STRICT
 
     @property
@@ -227,6 +233,8 @@ class State:
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
+    driving: Driving = field(default_factory=Driving)
+    """The driver's orders, where the path is driven."""
     __pydantic_config__ = STRICT
 
 

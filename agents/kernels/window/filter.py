@@ -122,7 +122,7 @@ def newest_rows(w: Window, hops: int, out: FloatArray) -> int:
             located, related = w.localised_at[h, row] == t, w.related_at[h, row] == t
             if located or related:
                 out[count, 0], out[count, 1] = h, t
-                out[count, 2], out[count, 6] = float(located), float(related)
+                out[count, 2], out[count, 6] = 1.0 if located else 0.0, 1.0 if related else 0.0
                 for c in range(3):
                     out[count, 3 + c] = w.localised[h, row, c] if located else 0.0
                 for c in range(2):

@@ -83,7 +83,7 @@ for _ in range(100 * int(sys.argv[2])):
     best = [min(best[0], solve), min(best[1], solve + estimate)]
 print(json.dumps(best))
 """
-"""Of a robot and tick: time of the controller's solve, and of estimator and solve together, the fastest ten ticks [s]."""
+"""Time of a robot's solve, and of its estimator and solve together, in a tick; the fastest ten in a row [s]."""
 MEASUREMENTS: dict[str, Callable[["Checkout", int], dict[str, float]]] = {}
 """Time [s] of each figure, by name, of one checkout and seed."""
 

@@ -6,6 +6,7 @@ COPY formation formation
 COPY network network
 COPY agents agents
 COPY world world
+COPY records records
 COPY dashboard dashboard
 COPY runtime runtime
 COPY experiments experiments

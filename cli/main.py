@@ -36,7 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    words = ["--record=" if word == "--record" else word for word in given]  # a scenario that follows is not its value
     if _starts_processes(words):
         importlib.import_module("runtime.fork_server").start_early()
     parser = _Parser(prog="echelon", description="Formations of wheeled robots with a controller process each.")

@@ -32,6 +32,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.stretch import Stretch
 from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
@@ -286,4 +287,4 @@ class Reply:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply

@@ -61,6 +61,8 @@ class World:
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)
         if self.trace:
             self.trace.start(self.plant.poses)
+        self.inputs: FloatArray = np.zeros((scenario.size, 2))
+        """(n, 2) commanded over the tick before."""
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
@@ -122,7 +124,7 @@ class World:
         held = set(self._commands.held)
         for robot in self.robots:
             self._commands.push(robot, commands.get(robot), now)
-        inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        self.inputs = inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -236,6 +238,12 @@ class World:
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]
 
+    def target(self) -> tuple[FloatArray, FloatArray]:
+        """The slots (n, 3) of now, and the formation's centre with the path's heading (3,)."""
+        block = self._reference.block(self.k)
+        row = self.k - block.first
+        return block.slots[row], block.centre[row, :3]
+
     def state(
         self,
         *,
@@ -250,11 +258,9 @@ class World:
         compare: str = "",
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
-        block = self._reference.block(self.k)
-        row = self.k - block.first
-        centre: FloatArray = block.centre[row, :3]
+        slots, centre = self.target()
         poses = self.plant.poses
-        distance, angle = pattern_errors(poses, block.slots[row])
+        distance, angle = pattern_errors(poses, slots)
         return State(
             sender=WORLD,
             seq=seq,
@@ -272,7 +278,7 @@ class World:
             overruns=overruns,
             rejected=rejected,
             poses=poses,
-            slots=block.slots[row],
+            slots=slots,
             centre=centre,
             distance_errors=distance,
             angle_errors=angle,

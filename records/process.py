@@ -1,0 +1,93 @@
+"""The recorder's process: take what has arrived, write it, close a chunk every so often."""
+
+import logging
+from collections.abc import Iterable
+from pathlib import Path
+from time import monotonic, time_ns
+
+from formation.errors import EchelonError, WireError
+from network import topics
+from network.bus import Bus, Incoming, Sample
+from network.codec import decode
+from network.lifetime import Lifetime
+from network.messages import Command, Plan, Status, Tick
+from network.stretch import Stretch
+from network.throttled_log import ThrottledLog
+from records.file import RecordFile
+from records.recorder import Detail, Recorder
+
+FLUSH_SECONDS = 0.9
+"""Between two flushes: so much is lost at most, and what is on its way [s]."""
+MAX_NAMES = 1000
+
+
+def new_file(path: Path) -> RecordFile:
+    """A file of this name; if there is one, which a recorder before this one wrote, of the next free name.
+
+    Raises:
+        EchelonError: it cannot be made.
+    """
+    for number in range(1, MAX_NAMES):
+        name = path if number == 1 else path.with_stem(f"{path.stem}-{number}")
+        if not name.exists():
+            return RecordFile(name)
+    raise EchelonError(f"expected a free name like {path.name}")
+
+
+def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
+    """Record the run until the lifetime is over. A disk that is full ends the record, not the run.
+
+    Raises:
+        EchelonError: the file cannot be made.
+    """
+    file = new_file(path)
+    for key in (topics.stretch(bus.run), topics.plan(bus.run, "*"), topics.status(bus.run, "*")):
+        bus.subscribe(key)
+    if detail == "full":
+        bus.subscribe(topics.tick(bus.run))
+        bus.subscribe(topics.command(bus.run, "*"))
+    recorder, log = Recorder(file, bus.run, time_ns(), detail=detail), ThrottledLog()
+    bus.appear("recorder")
+    flushed = monotonic()
+    try:
+        while not lifetime.over:
+            take(recorder, bus.arrivals(FLUSH_SECONDS), log)
+            if monotonic() - flushed >= FLUSH_SECONDS:
+                file.flush()
+                flushed = monotonic()
+        take(recorder, bus.arrivals(), log)
+        file.close()
+    except OSError as error:
+        logging.getLogger(__name__).error("%s ends here: %s", file.path, error.strerror)
+        file.abandon()
+        bus.close()  # its token goes: the world logs that it is no longer recorded
+        while not lifetime.over:
+            bus.arrivals(FLUSH_SECONDS)
+
+
+def take(recorder: Recorder, arrivals: Iterable[Incoming], log: ThrottledLog) -> None:
+    """Record what has arrived."""
+    for item in arrivals:
+        if isinstance(item, Sample):
+            try:
+                _take_sample(recorder, item)
+            except (WireError, ValueError) as error:
+                log.add(item.key, str(error))
+
+
+def _take_sample(recorder: Recorder, sample: Sample) -> None:
+    key = sample.key.split("/", 2)[2]
+    match key.rsplit("/", 1)[-1]:
+        case "stretch":
+            recorder.take(decode(Stretch, sample.payload))
+            return
+        case "plan":
+            plan = decode(Plan, sample.payload)
+            recorder.take_plan(plan)
+            recorder.take_wire(key, plan.stamp, sample.payload)
+        case "status":
+            recorder.take_status(decode(Status, sample.payload))
+        case "tick":
+            recorder.take_wire(key, decode(Tick, sample.payload).stamp, sample.payload)
+        case "command":
+            recorder.take_wire(key, decode(Command, sample.payload).stamp, sample.payload)

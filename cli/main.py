@@ -14,6 +14,8 @@ COMMANDS = {
     "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "print the state of a live run",
+    "recording": "look into a record, repair it, export its tables",
+    "verify": "simulate a record again and compare every bit",
     "scenarios": "list the scenarios",
     "compose": "print a compose file for a scenario",
     "doctor": "check what a run needs",

@@ -4,10 +4,10 @@ Four bytes of head, then the fields one after another, each aligned to its own s
 """
 
 import struct
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 Code = Literal["b", "B", "i", "I", "Q", "f", "d"]
 """Of a primitive type, as in the modules struct and numpy."""
@@ -57,3 +57,47 @@ class Cdr:
 
     def _align(self, size: int) -> None:
         self._bytes += _ZEROS[: -(len(self._bytes) - len(HEAD)) % size]
+
+
+class Fields:
+    """A message that is being decoded, field by field."""
+
+    def __init__(self, data: bytes) -> None:
+        """At its first field. Raises ValueError if it is not little-endian CDR."""
+        if data[: len(HEAD)] != HEAD:
+            raise ValueError(f"expected little-endian CDR; got {data[: len(HEAD)]!r}")
+        self._data, self._at = data, len(HEAD)
+
+    def get(self, code: Code) -> Any:
+        """A primitive field."""
+        packer = _STRUCTS[code]
+        self._align(packer.size)
+        (value,) = packer.unpack_from(self._data, self._at)
+        self._at += packer.size
+        return value
+
+    def array(self, code: Code, length: int) -> NDArray[Any]:
+        """An array of fixed length."""
+        kind = np.dtype(f"<{code}")
+        if length:
+            self._align(kind.itemsize)
+        found = np.frombuffer(self._data, kind, length, self._at)
+        self._at += found.nbytes
+        return found
+
+    def sequence(self, code: Code) -> NDArray[Any]:
+        """An array of any length."""
+        return self.array(code, self.get("I"))
+
+    def text(self) -> str:
+        """A string."""
+        return self.octets()[:-1].decode()
+
+    def octets(self) -> bytes:
+        """A sequence of bytes."""
+        length = self.get("I")
+        self._at += length
+        return self._data[self._at - length : self._at]
+
+    def _align(self, size: int) -> None:
+        self._at += -(self._at - len(HEAD)) % size

@@ -43,18 +43,25 @@ class RecordFile:
 
     def write(self, topic: str, kind: str, stamp: int, data: bytes) -> None:
         """Add a message of a type such as "nav_msgs/Path" to a topic, with its time [ns]."""
-        channel = self._channels.get(topic)
-        if channel is None:
-            channel = self._channels[topic] = self._register(topic, kind)
-            self._counts[topic] = 0
-        self._writer.add_message(channel, stamp, data, stamp, self._counts[topic])
+        if topic not in self._channels:
+            self._register(topic, full_name(kind), schema(kind))
+        self._add(topic, stamp, data)
+
+    def copy(self, topic: str, kind: str, text: str, stamp: int, data: bytes) -> None:
+        """Add a message of another file, with its type's full name and definition there."""
+        if topic not in self._channels:
+            self._register(topic, kind, text)
+        self._add(topic, stamp, data)
+
+    def _add(self, topic: str, stamp: int, data: bytes) -> None:
+        self._writer.add_message(self._channels[topic], stamp, data, stamp, self._counts[topic])
         self._counts[topic] += 1
 
-    def _register(self, topic: str, kind: str) -> int:
+    def _register(self, topic: str, kind: str, text: str) -> None:
         if kind not in self._schemas:
-            text = schema(kind).encode()
-            self._schemas[kind] = self._writer.register_schema(full_name(kind), "ros2msg", text)
-        return self._writer.register_channel(topic, "cdr", self._schemas[kind])
+            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", text.encode())
+        self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind])
+        self._counts[topic] = 0
 
     def note(self, name: str, values: Mapping[str, str]) -> None:
         """Add metadata."""

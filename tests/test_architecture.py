@@ -79,8 +79,9 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "records": [
         {"cdr", "definitions"},
-        {"messages", "file"},
-        {"recorder"},
+        {"messages", "file", "scanning"},
+        {"recorder", "repair", "record"},
+        {"export"},
         {"process"},
         {"__main__"},
     ],

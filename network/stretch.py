@@ -14,10 +14,11 @@ class Order:
     number: Count
     """In the episode, from 0 without gaps."""
     tick: Count
-    kind: Literal["faults", "agents"]
-    """A table of faults, or which robots answer from this tick on."""
+    kind: Literal["faults", "drive", "agents"]
+    """A table of faults, an order of the driver, or which robots answer from this tick on."""
     value: dict[str, Any]
-    """faults: by link, the keys that differ from a perfect one. agents: {"answered": robots}."""
+    """faults: by link, the keys that differ from a perfect one. drive: v [m/s], omega [rad/s]. agents: answered, a list
+    of robots."""
     __pydantic_config__ = STRICT
 
 

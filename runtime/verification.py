@@ -61,7 +61,10 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
     remarks = [f"order {number} is not in the record" for number in missing]
     end = _everybody_until(orders, episode.ticks, remarks, episode.interval)
     shadow = Shadow(scenario, scenario.controller.name, episode.number)
-    shadow.learn([(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"])
+    shadow.learn(
+        [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
+        [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
+    )
     compared = 0
     for tick in episode.ticks:
         if tick > end:

@@ -32,7 +32,7 @@ class Journal:
         """An episode begins."""
         self._episode = self._world.episode
         self._orders: list[Order] = []
-        self._tables = 0
+        self._tables = self._drives = 0
         self._answering = set(self._world.robots)
         self._events = 0
         self._open()
@@ -65,13 +65,22 @@ class Journal:
         if robots != self._answering and world.mode == "lockstep":
             self._answering = robots
             self._order(world.k - 1, "agents", {"answered": sorted(robots)})
+        self._note_orders()
+        if self._wanted:
+            self._add()
+
+    def _note_orders(self) -> None:
+        """What users and the schedule have ordered since the last look."""
+        world = self._world
         while self._tables < world.faults.changes:
             for stamp, table in world.faults.since(self._tables):
                 self._tables += 1
                 tick = round(stamp / world.scenario.control_interval)
                 self._order(tick, "faults", {str(link): fault.plain() for link, fault in table.items()})
-        if self._wanted:
-            self._add()
+        while world.driver and self._drives < world.driver.count:
+            for tick, order in world.driver.since(self._drives):
+                self._drives += 1
+                self._order(tick, "drive", {"v": order.v, "omega": order.omega})
 
     def _look(self) -> None:
         if self._episode != self._world.episode:
@@ -82,7 +91,7 @@ class Journal:
             self._first = self._world.k
         self._rows.append((self._world.plant.poses.copy(), self._world.inputs))
 
-    def _order(self, tick: int, kind: Literal["faults", "agents"], value: dict[str, object]) -> None:
+    def _order(self, tick: int, kind: Literal["faults", "drive", "agents"], value: dict[str, object]) -> None:
         self._orders.append(Order(len(self._orders), tick, kind, value))
 
     def take(self, *, all_of_it: bool = False) -> Stretch | None:
@@ -93,7 +102,8 @@ class Journal:
         if not self._rows or not (enough or all_of_it):
             return None
         poses, inputs = (np.concatenate(column) for column in zip(*self._rows, strict=True))
-        slots, centre = world.target()
+        block = world.reference.block(world.k)
+        row = world.k - block.first
         newest = list(takewhile(lambda event: event.number > self._events, reversed(world.events)))[::-1]
         stretch = Stretch(
             sender=WORLD,
@@ -103,8 +113,8 @@ class Journal:
             first=self._first,
             poses=poses,
             inputs=inputs,
-            slots=slots,
-            centre=centre,
+            slots=block.slots[row],
+            centre=block.centre[row, :3],
             mode=world.mode,
             orders=self._orders[self._sent :],
             events=newest,

@@ -13,14 +13,14 @@ from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
-from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Command, Setup, State, Status, Tick
-from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
+from world.driver import Driver
 from world.faults import FaultState
 from world.trace import Trace
 
@@ -54,26 +54,27 @@ class World:
         scenario = self._scenario
         self.k = 0
         self._earlier_events = self._event_count
-        self.endless = self._endless_wish and scenario.path.period is not None
+        self.endless = self._endless_wish and scenario.path.endless
         self.plant = bodies_for(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks)
+        self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
+        self.reference = self.driver.reference if self.driver else scenario.reference()
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
         if self.trace:
             self.trace.start(self.plant.poses)
-        self.inputs: FloatArray = np.zeros((scenario.size, 2))
-        """(n, 2) commanded over the tick before."""
+        self.inputs: FloatArray = np.zeros((scenario.size, 2))  # commanded over the tick before
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
         self.convergence = Convergence()
         self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
-        self._reference: Reference = scenario.reference()
         self._commands = CommandLinks(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
         self._look()
+        self._drive()
 
     # ------------------------------------------------------------------ state
 
@@ -115,6 +116,7 @@ class World:
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
+                drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
         return self._tick
 
@@ -122,9 +124,7 @@ class World:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
         held = set(self._commands.held)
-        for robot in self.robots:
-            self._commands.push(robot, commands.get(robot), now)
-        self.inputs = inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        self.inputs = inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -132,12 +132,18 @@ class World:
         for robot, works in self.convergence.add(commands, now):
             text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
             self.event("agent", f"robot {robot}: its solver {text}", severity)
-        self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
         self._look()
         self._tick = None
+        self._drive()
         self._apply_faults()
+
+    def _drive(self) -> None:
+        """The driver's orders for the tick that is computed next."""
+        for line in self.driver.begin(self.k) if self.driver else ():
+            self.event("drive", line)
 
     def _look(self) -> None:
         """Count who touches whom."""
@@ -232,17 +238,12 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]
-
-    def target(self) -> tuple[FloatArray, FloatArray]:
-        """The slots (n, 3) of now, and the formation's centre with the path's heading (3,)."""
-        block = self._reference.block(self.k)
-        row = self.k - block.first
-        return block.slots[row], block.centre[row, :3]
 
     def state(
         self,
@@ -258,9 +259,11 @@ class World:
         compare: str = "",
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
-        slots, centre = self.target()
+        block = self.reference.block(self.k)
+        row = self.k - block.first
+        centre: FloatArray = block.centre[row, :3]
         poses = self.plant.poses
-        distance, angle = pattern_errors(poses, slots)
+        distance, angle = pattern_errors(poses, block.slots[row])
         return State(
             sender=WORLD,
             seq=seq,
@@ -278,7 +281,7 @@ class World:
             overruns=overruns,
             rejected=rejected,
             poses=poses,
-            slots=slots,
+            slots=block.slots[row],
             centre=centre,
             distance_errors=distance,
             angle_errors=angle,
@@ -290,4 +293,5 @@ class World:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            driving=self.driver.shown if self.driver else Driving(),
         )

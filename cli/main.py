@@ -46,11 +46,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         use_own_path()  # before anything else is imported
     given = sys.argv[1:] if arguments is None else arguments
-    words = ["--record=" if word == "--record" else word for word in given]  # a scenario that follows is not its value
+    words = [_whole(word, given) for word in given]
     if _starts_processes(words):
         importlib.import_module("runtime.fork_server").start_early()
     options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
     return _guarded(options)
+
+
+def _whole(word: str, words: Sequence[str]) -> str:
+    """--record alone has no value: a scenario that follows is not its file."""
+    return "--record=" if word == "--record" and words[0] in ("up", "run") else word
 
 
 def whole_parser() -> argparse.ArgumentParser:

@@ -66,21 +66,25 @@ def export(record: Record, kind: Format) -> list[Path]:
 
 
 def _write(path: Path, name: str, columns: dict[str, str], rows: Iterable[Row], kind: Format) -> Path:
-    file = path.with_name(f"{path.stem}-{name}.csv")
-    with file.open("w", encoding="utf-8", newline="") as out:
+    file = path.with_name(f"{path.stem}-{name}.{kind}")
+    part, text = file.with_name(f"{file.name}.part"), file.with_name(f"{file.name}.csv.part")
+    with text.open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(rows)
-    return file if kind == "csv" else _as_parquet(file, columns)
+    if kind == "parquet":
+        _write_parquet(part, text, columns)
+        text.unlink()
+    else:
+        part = text
+    os.replace(part, file)
+    return file
 
 
-def _as_parquet(file: Path, columns: dict[str, str]) -> Path:
-    """The same table as Parquet, instead of the CSV file."""
+def _write_parquet(file: Path, text: Path, columns: dict[str, str]) -> None:
+    """The table of a CSV file."""
     import duckdb  # noqa: PLC0415  a quarter of a second
 
-    new = file.with_suffix(".parquet")
     with duckdb.connect(config={"threads": 1}) as database:
-        table = database.read_csv(str(file), header=True, auto_detect=False, columns=columns, sep=",")
-        table.write_parquet(str(new), compression="zstd")
-    os.remove(file)
-    return new
+        table = database.read_csv(str(text), header=True, auto_detect=False, columns=columns, sep=",")
+        table.write_parquet(str(file), compression="zstd")

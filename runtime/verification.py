@@ -1,5 +1,6 @@
 """Simulates what a record holds again, in one process, and compares every pose with it to the last bit."""
 
+import json
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ import numpy as np
 from formation.errors import EchelonError
 from formation.faults import Fault
 from formation.link_ids import LinkId
-from formation.scenario.scenario import Scenario
+from formation.scenario.files import parse
 from network.messages import VERSION
 from records.record import Record, RecordedEpisode, RecordedOrder
 from runtime.ghost.shadow import Shadow
@@ -55,7 +56,7 @@ def verify(record: Record, progress: Callable[[float], None] = lambda _: None) -
 
 
 def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], None]) -> Verdict:
-    scenario = Scenario.model_validate_json(episode.scenario)
+    scenario = parse(json.loads(episode.scenario), where="the record's scenario")
     orders = sorted(episode.orders, key=lambda order: (order.tick, order.number))
     missing = sorted(set(range(max((order.number for order in orders), default=-1) + 1)) - {o.number for o in orders})
     remarks = [f"order {number} is not in the record" for number in missing]

@@ -35,6 +35,8 @@ def add_record(parser: argparse.ArgumentParser) -> None:
     """Whether and where the run is recorded."""
     parser.add_argument(
         "--record",
+        nargs="?",
+        const="",
         metavar="FILE",
         help="record the run in a new MCAP file; --record alone names it after scenario and time",
     )

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from records.definitions import full_name, schema
+from tests.exceptions import needs
 from tests.records.reflection import decode
 from tests.records.samples import ENCODED, VALUES
 
@@ -29,7 +30,7 @@ def test_the_schema_tells_what_the_bytes_mean(name: Any) -> None:
 
 
 def test_the_goldens_are_what_the_other_implementation_gives_today() -> None:
-    pytest.importorskip("rosbags")
+    needs("rosbags")
     from rosbags.typesys import Stores, get_typestore
 
     from tests.records.make_goldens import encoded

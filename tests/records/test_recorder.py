@@ -15,6 +15,7 @@ from network.messages import Command, Plan, Tick
 from network.stretch import Stretch
 from records.record import Record, load
 from runtime.inprocess import Simulation
+from tests.exceptions import needs
 from tests.records.recorded import STARTED, record, scenario
 from tests.records.reflection import decode
 from world.journal import Journal
@@ -93,7 +94,7 @@ def test_every_message_of_a_record_says_what_was_so(run: Any) -> None:
 
 
 def test_an_independent_implementation_reads_the_same(run: Any) -> None:
-    pytest.importorskip("rosbags")
+    needs("rosbags")
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     path, _, _ = run

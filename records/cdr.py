@@ -4,6 +4,7 @@ Four bytes of head, then the fields one after another, each aligned to its own s
 """
 
 import struct
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +16,13 @@ HEAD = b"\x00\x01\x00\x00"
 """Little-endian CDR, no options."""
 _STRUCTS: dict[Code, struct.Struct] = {code: struct.Struct(f"<{code}") for code in ("b", "B", "i", "I", "Q", "f", "d")}
 _ZEROS = bytes(8)
+
+
+@lru_cache(maxsize=1024)
+def string(text: str) -> bytes:
+    """A string, encoded: names of frames and topics come again and again."""
+    encoded = text.encode()
+    return _STRUCTS["I"].pack(len(encoded) + 1) + encoded + b"\x00"
 
 
 class Cdr:
@@ -46,9 +54,12 @@ class Cdr:
 
     def text(self, text: str) -> None:
         """A string: its length with the zero at its end, its bytes, the zero."""
-        encoded = text.encode()
-        self.put("I", len(encoded) + 1)
-        self._bytes += encoded + b"\x00"
+        self.raw(string(text), 4)
+
+    def raw(self, data: bytes, size: int) -> None:
+        """Bytes that are encoded already, to be aligned to `size`."""
+        self._align(size)
+        self._bytes += data
 
     def octets(self, data: bytes) -> None:
         """A sequence of bytes."""

@@ -1,16 +1,18 @@
 """The messages of a record, encoded. Times are nanoseconds since the epoch; frames are named as in /tf."""
 
-import math
+import struct
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from formation.arrays import FloatArray
-from records.cdr import Cdr
+from records.cdr import Cdr, string
 
 MAP = "map"
 """The frame in which poses are."""
+_TIME = struct.Struct("<iI")
+"""Of a header: seconds, nanoseconds."""
 _NO_COVARIANCE = np.zeros(36)
 _STEPS = 2.0**16
 """Pictures are rounded to this part of a metre, or of 1 in a quaternion, so that they compress: to 15 um."""
@@ -32,25 +34,23 @@ class Lines(NamedTuple):
 
 
 def _time(cdr: Cdr, stamp: int) -> None:
-    seconds, nanoseconds = divmod(stamp, 10**9)
-    cdr.put("i", seconds)
-    cdr.put("I", nanoseconds)
+    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)), 4)
 
 
 def _header(cdr: Cdr, stamp: int, frame: str) -> None:
-    _time(cdr, stamp)
-    cdr.text(frame)
+    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)) + string(frame), 4)
 
 
-def _placed(pose: FloatArray) -> tuple[float, ...]:
-    """A pose (3,) as x, y, z and a quaternion x, y, z, w."""
-    half = 0.5 * float(pose[2])
-    return float(pose[0]), float(pose[1]), 0.0, 0.0, 0.0, math.sin(half), math.cos(half)
+def _placed(poses: FloatArray) -> FloatArray:
+    """Poses (n, 3) as x, y, z and a quaternion x, y, z, w (n, 7)."""
+    found, half = np.zeros((len(poses), 7)), 0.5 * poses[:, 2]
+    found[:, :2], found[:, 5], found[:, 6] = poses[:, :2], np.sin(half), np.cos(half)
+    return found
 
 
-def _drawn(pose: FloatArray) -> FloatArray:
-    """As `_placed`, rounded."""
-    return np.round(np.array(_placed(pose)) * _STEPS) / _STEPS
+def _drawn(poses: FloatArray) -> list[bytes]:
+    """As `_placed`, rounded, encoded pose by pose."""
+    return [row.tobytes() for row in np.round(_placed(poses) * _STEPS) / _STEPS]
 
 
 def _twist(velocity: FloatArray) -> tuple[float, ...]:
@@ -70,7 +70,7 @@ def odometry(stamp: int, child: str, pose: FloatArray, velocity: FloatArray) -> 
     cdr = Cdr()
     _header(cdr, stamp, MAP)
     cdr.text(child)
-    cdr.array("d", (*_placed(pose), *_NO_COVARIANCE, *_twist(velocity), *_NO_COVARIANCE))
+    cdr.array("d", np.concatenate([_placed(pose[None])[0], _NO_COVARIANCE, _twist(velocity), _NO_COVARIANCE]))
     return bytes(cdr)
 
 
@@ -78,10 +78,11 @@ def transforms(stamp: int, frames: Iterable[tuple[str, FloatArray]]) -> bytes:
     """tf2_msgs/TFMessage: where frames are in the map."""
     cdr, placed = Cdr(), list(frames)
     cdr.put("I", len(placed))
-    for child, pose in placed:
+    drawn = _drawn(np.array([pose for _, pose in placed]).reshape(-1, 3))
+    for (child, _), pose in zip(placed, drawn, strict=True):
         _header(cdr, stamp, MAP)
         cdr.text(child)
-        cdr.array("d", _drawn(pose))
+        cdr.raw(pose, 8)
     return bytes(cdr)
 
 
@@ -90,9 +91,9 @@ def path(stamp: int, poses: FloatArray, stamps: Sequence[int]) -> bytes:
     cdr = Cdr()
     _header(cdr, stamp, MAP)
     cdr.put("I", len(poses))
-    for at, pose in zip(stamps, poses, strict=True):
+    for at, pose in zip(stamps, _drawn(poses), strict=True):
         _header(cdr, at, MAP)
-        cdr.array("d", _drawn(pose))
+        cdr.raw(pose, 8)
     return bytes(cdr)
 
 

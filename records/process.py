@@ -10,7 +10,7 @@ from network import topics
 from network.bus import Bus, Incoming, Sample
 from network.codec import decode
 from network.lifetime import Lifetime
-from network.messages import Command, Plan, Status, Tick
+from network.messages import Status
 from network.stretch import Stretch
 from network.throttled_log import ThrottledLog
 from records.file import RecordFile
@@ -41,11 +41,11 @@ def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
         EchelonError: the file cannot be made.
     """
     file = new_file(path)
-    for key in (topics.stretch(bus.run), topics.plan(bus.run, "*"), topics.status(bus.run, "*")):
-        bus.subscribe(key)
+    wanted = [topics.stretch(bus.run), topics.status(bus.run, "*")]
     if detail == "full":
-        bus.subscribe(topics.tick(bus.run))
-        bus.subscribe(topics.command(bus.run, "*"))
+        wanted += [topics.tick(bus.run), topics.plan(bus.run, "*"), topics.command(bus.run, "*")]
+    for key in wanted:
+        bus.subscribe(key)
     recorder, log = Recorder(file, bus.run, time_ns(), detail=detail), ThrottledLog()
     bus.appear("recorder")
     flushed = monotonic()
@@ -77,17 +77,10 @@ def take(recorder: Recorder, arrivals: Iterable[Incoming], log: ThrottledLog) ->
 
 def _take_sample(recorder: Recorder, sample: Sample) -> None:
     key = sample.key.split("/", 2)[2]
-    match key.rsplit("/", 1)[-1]:
-        case "stretch":
-            recorder.take(decode(Stretch, sample.payload))
-            return
-        case "plan":
-            plan = decode(Plan, sample.payload)
-            recorder.take_plan(plan)
-            recorder.take_wire(key, plan.stamp, sample.payload)
-        case "status":
-            recorder.take_status(decode(Status, sample.payload))
-        case "tick":
-            recorder.take_wire(key, decode(Tick, sample.payload).stamp, sample.payload)
-        case "command":
-            recorder.take_wire(key, decode(Command, sample.payload).stamp, sample.payload)
+    kind = key.rsplit("/", 1)[-1]
+    if kind == "stretch":
+        recorder.take(decode(Stretch, sample.payload))
+    elif kind != "status":
+        recorder.take_wire(key, sample.payload)
+    elif recorder.wants_status(topics.robot_of(sample.key) or 0):
+        recorder.take_status(decode(Status, sample.payload))

@@ -22,8 +22,8 @@ Detail = Literal["default", "full"]
 """Whether a record also holds every pose, and every message as it went over the wire."""
 EXACT_SECONDS = 1.0
 """Simulated time between exact poses in a record of the default detail [s]."""
-PLAN_SECONDS = STATUS_SECONDS = 0.5
-"""Least simulated time between two plans, and between two statuses, of a robot in a record [s]."""
+STATUS_SECONDS = 0.5
+"""Least simulated time between two statuses of a robot in a record, with its plan and belief [s]."""
 SLOWER = 2
 """Errors and markers are written with every so many stretches: ten times a second, the poses twenty times."""
 BETWEEN_EPISODES = 10**9
@@ -69,8 +69,10 @@ class Recorder:
         self._clock = started
         """The latest time in the record."""
         self._episode: _Episode | None = None
-        self._shown: dict[tuple[str, int], float] = {}
-        """By kind and robot, the stamp of the newest plan and status that were written [s]."""
+        self._now = 0.0
+        """Simulated time of the newest poses [s]."""
+        self._shown: dict[int, float] = {}
+        """By robot, when a status was written last [s]."""
         file.note("echelon", {"run": run, "version": str(VERSION), "detail": detail, "started": str(started)})
 
     @property
@@ -100,6 +102,7 @@ class Recorder:
                 self._write("/log", "rcl_interfaces/Log", at, messages.log(at, event.severity, event.kind, event.text))
         if skipped >= len(poses):
             return
+        self._now = stretch.stamp
         first = stretch.first + skipped
         episode.next = stretch.first + len(poses)
         self._exact(episode, first, poses[skipped:], inputs[skipped:])
@@ -111,6 +114,7 @@ class Recorder:
         episode = _Episode(stretch.episode, scenario.size, scenario.control_interval, begins, stretch.first)
         self._episode, self._clock = episode, begins
         self._shown.clear()
+        self._now = stretch.stamp
         controller = scenario.controller.name
         values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
         self._file.note("episode", {**values, "scenario": stretch.scenario})
@@ -160,45 +164,35 @@ class Recorder:
         pictures = [_edges(poses, distance), _ways_to(slots, poses)]
         self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, pictures))
 
-    def take_plan(self, plan: Plan) -> None:
-        """An agent's plan; those that follow closely on another are left out."""
-        episode = self._due("plan", plan, PLAN_SECONDS)
-        if episode is not None:
-            self._draw(episode, f"/robot{plan.sender}/plan", plan, plan.stamp)
+    def wants_status(self, robot: int) -> bool:
+        """Whether a status of a robot that comes in now would be written; decoding one costs more than writing it."""
+        return self._episode is not None and self._now - self._shown.get(robot, -np.inf) >= STATUS_SECONDS - 1e-9
 
     def take_status(self, status: Status) -> None:
-        """An agent's status: what it believes of the robot upstream of it, and its link."""
-        episode = self._due("status", status, STATUS_SECONDS)
-        if episode is None:
+        """An agent's status: its plan, what it believes of the robot upstream of it, and its link."""
+        episode, number = self._episode, status.sender
+        if episode is None or status.episode != episode.number or number > episode.robots:
             return
-        robot, at = f"/robot{status.sender}", episode.begins + round(status.stamp * 1e9)
+        self._shown[number] = self._now
+        robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
+        if status.plan is not None:
+            self._draw(episode, f"{robot}/plan", status.plan, at)
         if status.held is not None:
-            self._draw(episode, f"{robot}/belief", status.held, status.stamp)
+            self._draw(episode, f"{robot}/belief", status.held, at)
         data = messages.link(at, str(status.link), status.age, _counts(status.counts), status.solve, status.gap)
         self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
 
-    def _due(self, kind: str, message: Plan | Status, seconds: float) -> _Episode | None:
-        """The episode, if the message is of it and does not follow closely on another."""
-        episode, source = self._episode, (kind, message.sender)
-        if episode is None or message.episode != episode.number or message.sender > episode.robots:
-            return None
-        if message.stamp - self._shown.get(source, -np.inf) < seconds - 1e-9:
-            return None
-        self._shown[source] = message.stamp
-        return episode
-
-    def _draw(self, episode: _Episode, topic: str, plan: Plan, stamp: float) -> None:
-        at = episode.begins + round(stamp * 1e9)
+    def _draw(self, episode: _Episode, topic: str, plan: Plan, at: int) -> None:
         poses = roll_out(plan.pose[None], plan.inputs[None], plan.interval)[0]
         begins = episode.begins + round(plan.begins * 1e9)
         step = round(plan.interval * 1e9)
         stamps = [begins + i * step for i in range(len(poses))]
         self._write(topic, "nav_msgs/Path", at, messages.path(at, poses, stamps))
 
-    def take_wire(self, key: str, stamp: float, payload: bytes) -> None:
-        """A message as it went over the wire, for a record of everything; `key` is below the run's name."""
+    def take_wire(self, key: str, payload: bytes) -> None:
+        """A message as it went over the wire, at the time of the newest poses; `key` is below the run's name."""
         if self.full and self._episode is not None:
-            at = self._episode.begins + round(stamp * 1e9)
+            at = self._episode.begins + round(self._now * 1e9)
             self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
 
 

@@ -173,7 +173,7 @@ class _Scan:
     def _next(self, at: int) -> int:
         """Where to go on after damage: at the next record, if this one's length is sound, else at the next chunk."""
         if at + _RECORD.size <= len(self._data):
-            after = at + _RECORD.size + _RECORD.unpack_from(self._data, at)[1]
+            after: int = at + _RECORD.size + _RECORD.unpack_from(self._data, at)[1]
             if after < len(self._data) and self._sound(after):
                 return after
         found = at + 1 + _SIGNATURE_AT

@@ -5,14 +5,13 @@ from pathlib import Path
 from time import monotonic, time_ns
 from typing import Any
 
-from agents.agent import Answer
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.codec import encode
 from network.messages import Command, Plan, Tick
 from records.file import RecordFile
-from records.recorder import STATUS_SECONDS, Detail, Recorder
+from records.recorder import Detail, Recorder
 from runtime.inprocess import PROGRESS_TICKS, Simulation, summary_of
 from world.journal import Journal
 
@@ -36,8 +35,6 @@ class Recording:
         self._simulation, self._file = simulation, file
         self._recorder = Recorder(file, RUN, started, detail=detail)
         self._journal = Journal(simulation.world, wanted=True)
-        interval = simulation.world.scenario.control_interval
-        self._status_every = max(1, round(STATUS_SECONDS / interval))
         self._take()
 
     def step(self) -> None:
@@ -49,10 +46,12 @@ class Recording:
         self._take()
         if recorder.full:
             recorder.take_wire(*_sent(topics.tick(RUN), tick))
-        for robot, answer in answers.items():
-            self._take_answer(robot, answer)
-        if tick.seq % self._status_every == 0:
-            for agent in simulation.agents.values():
+            for robot, answer in answers.items():
+                recorder.take_wire(*_sent(topics.command(RUN, robot), answer.command))
+                if answer.plan is not None:
+                    recorder.take_wire(*_sent(topics.plan(RUN, robot), answer.plan))
+        for robot, agent in simulation.agents.items():
+            if recorder.wants_status(robot):
                 recorder.take_status(agent.status(tick.seq, tick.stamp))
 
     def _take(self) -> None:
@@ -60,19 +59,10 @@ class Recording:
         if stretch is not None:
             self._recorder.take(stretch)
 
-    def _take_answer(self, robot: int, answer: Answer) -> None:
-        recorder = self._recorder
-        if answer.plan is not None:
-            recorder.take_plan(answer.plan)
-        if recorder.full:
-            recorder.take_wire(*_sent(topics.command(RUN, robot), answer.command))
-            if answer.plan is not None:
-                recorder.take_wire(*_sent(topics.plan(RUN, robot), answer.plan))
 
-
-def _sent(key: str, message: Tick | Command | Plan) -> tuple[str, float, bytes]:
-    """Key below the run's name, stamp and bytes, as the wire has them."""
-    return key.split("/", 2)[2], message.stamp, encode(message)
+def _sent(key: str, message: Tick | Command | Plan) -> tuple[str, bytes]:
+    """Key below the run's name, and bytes, as the wire has them."""
+    return key.split("/", 2)[2], encode(message)
 
 
 def simulate(

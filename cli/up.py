@@ -3,6 +3,7 @@
 import argparse
 import errno
 import socket
+from pathlib import Path
 
 from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
 from dashboard.serving import access
@@ -62,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
         ghost=True,
         record=None if record is None else str(record),
         detail=options.detail,
+        scenarios=str(Path.cwd()),
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         if record is not None:

@@ -35,21 +35,28 @@ def new_file(path: Path) -> RecordFile:
 
 
 def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
-    """Record the run until the lifetime is over. A disk that is full ends the record, not the run.
-
-    Raises:
-        EchelonError: the file cannot be made.
-    """
-    file = new_file(path)
+    """Record the run until the lifetime is over. A disk that is full ends the record, not the run."""
     wanted = [topics.stretch(bus.run), topics.status(bus.run, "*")]
     if detail == "full":
         wanted += [topics.tick(bus.run), topics.plan(bus.run, "*"), topics.command(bus.run, "*")]
-    for key in wanted:
-        bus.subscribe(key)
-    recorder, log = Recorder(file, bus.run, time_ns(), detail=detail), ThrottledLog()
-    bus.appear("recorder")
-    flushed = monotonic()
     try:
+        file = new_file(path)
+        for key in wanted:
+            bus.subscribe(key)
+        _record(bus, file, lifetime, detail)
+    except (EchelonError, OSError) as error:
+        logging.getLogger(__name__).error("nothing is recorded any more: %s", error)
+        bus.close()  # its token goes: the world logs that the run is no longer recorded
+        while not lifetime.over:  # an end would be taken for a crash
+            bus.arrivals(FLUSH_SECONDS)
+
+
+def _record(bus: Bus, file: RecordFile, lifetime: Lifetime, detail: Detail) -> None:
+    """Write to the file until the lifetime is over. Raises OSError if it cannot be written any more."""
+    try:
+        recorder, log = Recorder(file, bus.run, time_ns(), detail=detail), ThrottledLog()
+        bus.appear("recorder")
+        flushed = monotonic()
         while not lifetime.over:
             take(recorder, bus.arrivals(FLUSH_SECONDS), log)
             if monotonic() - flushed >= FLUSH_SECONDS:
@@ -57,12 +64,9 @@ def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
                 flushed = monotonic()
         take(recorder, bus.arrivals(), log)
         file.close()
-    except OSError as error:
-        logging.getLogger(__name__).error("%s ends here: %s", file.path, error.strerror)
+    except OSError:
         file.abandon()
-        bus.close()  # its token goes: the world logs that it is no longer recorded
-        while not lifetime.over:
-            bus.arrivals(FLUSH_SECONDS)
+        raise
 
 
 def take(recorder: Recorder, arrivals: Iterable[Incoming], log: ThrottledLog) -> None:

@@ -6,10 +6,13 @@ In compiled code a view costs nothing: it is an address and a shape, without the
 
 from typing import Any
 
-from numba.core import types
-from numba.core.cgutils import unpack_tuple
+from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
-from numba.np.arrayobj import make_array, populate_array
+from numba.np import arrayobj
+
+_CODE: Any = cgutils
+_ARRAYS: Any = arrayobj
+"""Parts of numba without types."""
 
 
 def shaped(flat: Any, at: int, shape: tuple[int, ...]) -> Any:
@@ -20,26 +23,28 @@ def shaped(flat: Any, at: int, shape: tuple[int, ...]) -> Any:
     return flat[at : at + size].reshape(shape)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def _shaped(context: Any, flat: Any, at: Any, shape: Any) -> Any:
+def _coded(context: Any, flat: Any, at: Any, shape: Any) -> Any:
     """`shaped` in machine code."""
-    view = types.Array(flat.dtype, shape.count, "C")  # type: ignore[no-untyped-call]
+    view = types.Array(flat.dtype, shape.count, "C")
 
     def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        source = make_array(flat)(target, builder, arguments[0])
-        lengths = unpack_tuple(builder, arguments[2], shape.count)
+        source = _ARRAYS.make_array(flat)(target, builder, arguments[0])
+        lengths = _CODE.unpack_tuple(builder, arguments[2], shape.count)
         itemsize = target.get_constant(types.intp, target.get_abi_sizeof(target.get_data_type(flat.dtype)))
         strides = [itemsize]
         for length in reversed(lengths[1:]):
             strides.insert(0, builder.mul(strides[0], length))
-        found = make_array(view)(target, builder)
-        populate_array(found, builder.gep(source.data, [arguments[1]]), lengths, strides, itemsize, None)
+        found = _ARRAYS.make_array(view)(target, builder)
+        _ARRAYS.populate_array(found, builder.gep(source.data, [arguments[1]]), lengths, strides, itemsize, None)
         return found._getvalue()
 
     return view(flat, at, shape), generate
 
 
-@overload(shaped, inline="always")  # type: ignore[untyped-decorator]
+_shaped: Any = intrinsic(_coded)
+
+
+@overload(shaped, inline="always")
 def _shaped_for(flat: Any, at: Any, shape: Any) -> Any:
     """What compiled code calls for `shaped`; numba wants the same signature, annotations included."""
 

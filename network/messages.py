@@ -9,6 +9,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from formation.scenario.own_code import OwnCode
 from network.fields import (
     STRICT,
     Count,
@@ -138,6 +139,8 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
+    failure: Text = ""
+    """Of a controller of a user's own that has failed in this episode, what went wrong and where; v and omega are 0."""
     __pydantic_config__ = STRICT
 
 
@@ -263,6 +266,8 @@ class Setup:
     mode: Mode
     faults: dict[Link, Fault]
     """As in State."""
+    own_code: list[OwnCode] = field(default_factory=list)
+    """Controllers and bodies of users' own that the run knows; who has another text of them has no part in it."""
     __pydantic_config__ = STRICT
 
 

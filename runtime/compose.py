@@ -1,11 +1,13 @@
 """The same processes as containers: a compose file made of runtime/process_list.py."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from formation.loading.source import LOADED
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
+from runtime.own_code import NO_CODE, CodeArguments, mounted
 from runtime.process_list import Program, RunPlan, programs
 
 RUN = "echelon"
@@ -35,7 +37,7 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides) -> RunPlan:
+def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE) -> RunPlan:
     """How a run of containers is put together."""
     return RunPlan(
         run=RUN,
@@ -45,6 +47,7 @@ def plan(scenario: str, overrides: Overrides) -> RunPlan:
         overrides=overrides,
         endless=True,
         ghost=True,
+        code=code,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
     )
 
@@ -63,10 +66,12 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     check_live(scenario.controller.name)
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(words=words, port=PAGE_PORT)
-    return head + "\n".join(_service(program) for program in programs(plan(name, overrides or {}), scenario))
+    code, mounts = mounted(LOADED.values())
+    listed = programs(plan(name, overrides or {}, code), scenario)
+    return head + "\n".join(_service(program, mounts) for program in listed)
 
 
-def _service(program: Program) -> str:
+def _service(program: Program, mounts: Mapping[str, str]) -> str:
     name = f"agent-{program.number}" if program.role == "agent" else program.role
     check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
     check += ["--role", program.role, "--id", str(program.number)]
@@ -83,6 +88,11 @@ def _service(program: Program) -> str:
     ]
     if program.role == "world":  # a requested stop is final, a crash is not
         lines += ["    restart: on-failure"]
+    if any(f"{there}/" in word for word in program.arguments for there in mounts.values()):
+        volumes = [
+            {"type": "bind", "source": here, "target": there, "read_only": True} for here, there in mounts.items()
+        ]
+        lines += ["    volumes:", *(f"      - {json.dumps(volume)}".replace("$", "$$") for volume in volumes)]
     if program.role != "router":
         lines += ["    depends_on: [router]"]
     if program.role == "dashboard":

@@ -19,6 +19,7 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
+from runtime.own_code import packed
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
@@ -69,6 +70,7 @@ class LiveRun:
             file = self._claim.path / "scenario.json"
             file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
             source, overrides = str(file), {}
+        options["code"] = packed(self._claim.path)
         self._plan = RunPlan(
             name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
         )

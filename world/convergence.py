@@ -1,4 +1,4 @@
-"""Whether the agents' solvers converge, as their commands report it: counts for the summary, changes for the events."""
+"""Whether the agents' controllers work, as their commands report it: counts for the summary, changes for the events."""
 
 from collections.abc import Mapping
 
@@ -17,6 +17,13 @@ class Convergence:
         self.failures: dict[int, int] = {}
         """Of these, plans that are a fallback because the solver did not converge."""
         self._failed_at: dict[int, float] = {}
+        self._broken: set[int] = set()
+
+    def broken(self, commands: Mapping[int, Command]) -> list[tuple[int, str]]:
+        """Robots whose controller, a user's own, has failed for good at this tick, with the reason."""
+        found = [(i, command.failure) for i, command in commands.items() if command.failure and i not in self._broken]
+        self._broken.update(robot for robot, _ in found)
+        return found
 
     def add(self, commands: Mapping[int, Command], now: float) -> list[tuple[int, bool]]:
         """Count the plans of a tick; robots whose solver began to fail (False) or works again (True).

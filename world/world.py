@@ -14,9 +14,12 @@ from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.reference import Reference
+from formation.scenario.own_code import OwnCode
+from formation.scenario.registry import own_controllers
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Command, Setup, State, Status, Tick
 from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
+from world.bodies.own import own_bodies
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
@@ -130,6 +133,8 @@ class World:
         for robot, works in self.convergence.add(commands, now):
             text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
             self.event("agent", f"robot {robot}: its solver {text}", severity)
+        for robot, reason in self.convergence.broken(commands):
+            self.event("agent", f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error")
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
@@ -220,6 +225,7 @@ class World:
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
             faults=dict(self.faults.table),
+            own_code=[*own_controllers(), *own_bodies()],
         )
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
@@ -230,8 +236,14 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            "own_code": [code.model_dump(include={"kind", "name", "origin", "sha256"}) for code in self._own_code()],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
+
+    def _own_code(self) -> list[OwnCode]:
+        """What of this episode is a user's own code."""
+        used = {("controller", self._scenario.controller.name), ("bodies", self._scenario.bodies.implementation)}
+        return [code for code in (*own_controllers(), *own_bodies()) if (code.kind, code.name) in used]
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]

@@ -13,7 +13,9 @@ from agents.controllers.nash import nash
 from agents.controllers.paper import Paper
 from agents.controllers.task import Task
 from agents.controllers.virtual_structure import virtual_structure
-from formation.scenario.registry import refusal
+from formation.errors import ScenarioError
+from formation.loading.load import differs
+from formation.scenario.registry import refusal, spec_of
 from formation.scenario.scenario import Scenario
 
 Make = Callable[[Scenario, int, Task], Controller]
@@ -33,9 +35,13 @@ def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
     """The scenario's controller for one robot; the scenario has checked its name.
 
     Raises:
-        ScenarioError: the controller is one for all robots, which no robot can have for itself.
+        ScenarioError: the controller is one for all robots, which no robot can have for itself, or a user's own that is
+            not loaded here.
     """
     make = MAKES.get(scenario.controller.name)
+    code = spec_of(scenario.controller).code
+    if make is None and code is not None:
+        raise ScenarioError(differs(code.kind, code.name, code.origin, code.sha256, None))
     if make is None:
         raise refusal(scenario.controller.name)
     return make(scenario, robot, task)

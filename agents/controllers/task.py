@@ -36,6 +36,8 @@ class Task:
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         controller = scenario.controller
+        self.robot, self.robots = robot, scenario.size
+        """Its number, from 1, and how many there are."""
         other = upstream(robot, scenario.size)
         self.further = upstream(other, scenario.size)
         """The upstream neighbour of the upstream neighbour."""
@@ -54,7 +56,7 @@ class Task:
         self.columns_of_sides = (1, 3)
         """Columns of the upstream and the downstream neighbour."""
         self.lag = 0.0
-        """How far the robot's reference time is behind the clock [s] (agents/controllers/waiting.py, pair_waiting.py)."""
+        """How far the robot's reference time is behind the clock [s] (agents/controllers/waiting.py)."""
         self.pace = 1.0
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None

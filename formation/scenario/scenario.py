@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Union
+from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
+from pydantic import BeforeValidator, Field, FiniteFloat, SerializeAsAny, ValidationError, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
@@ -25,10 +25,11 @@ from formation.reference import Reference
 from formation.scenario.controllers import ControllerOptions, NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
-from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
+from formation.scenario.registry import CONTROLLERS, DEFAULT, spec_of, told, unknown_controller
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
 from formation.slot_motion import Motion
+from formation.validation import as_lines, mistake, shown
 from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000
@@ -78,19 +79,23 @@ class Noise(Model):
     """Error of the measured heading [rad]."""
 
 
-def _named(given: object) -> object:
-    """The table of a controller with the name that it has by default."""
-    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
+def _controller(given: object) -> object:
+    """The options of the controller that a table names, by its own model; the default one if it names none."""
+    if isinstance(given, ControllerOptions):
+        return given
+    if not isinstance(given, dict):
+        raise ValueError(f"expected a table; got {shown(given)}")
+    table = {"name": DEFAULT, **given}
+    spec = CONTROLLERS.get(table["name"]) if isinstance(table["name"], str) else None
+    if spec is None:
+        raise mistake("name", unknown_controller(str(table["name"])).partition(": ")[2])
+    try:
+        return spec.options.model_validate(table)
+    except ValidationError as error:  # its mistakes become those of the scenario
+        raise as_lines(error, spec.options, [other.options for other in CONTROLLERS.values()]) from None
 
 
-if TYPE_CHECKING:
-    AnyController = ControllerOptions
-else:
-    AnyController = Annotated[
-        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
-        Field(discriminator="name"),
-        BeforeValidator(_named),
-    ]
+AnyController = Annotated[SerializeAsAny[ControllerOptions], BeforeValidator(_controller)]
 
 
 class Scenario(Model):
@@ -124,7 +129,7 @@ class Scenario(Model):
         if self.path.known_to == "leader" and spec_of(self.controller).needs_path:
             raise ValueError(
                 f"path.known_to: {self.controller.name} needs the path in every robot: expected all, or a controller "
-                f"that follows what it is told ({', '.join(TOLD)})"
+                f"that follows what it is told ({', '.join(told())})"
             )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:

@@ -8,12 +8,12 @@ from agents.controllers.registry import MAKES, TEAMS
 from formation.errors import ScenarioError
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load
-from formation.scenario.registry import CONTROLLERS, IN_PROCESS, LIVE
+from formation.scenario.registry import CONTROLLERS, IN_PROCESS, live
 from world.run_control import with_controller
 
 
 def test_every_controller_has_a_line_in_both_tables() -> None:
-    assert set(MAKES) == set(LIVE)
+    assert set(MAKES) == set(live())
     assert set(TEAMS) == set(IN_PROCESS)
 
 

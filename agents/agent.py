@@ -158,7 +158,7 @@ class Agent:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
         k, row = tick.seq, self.robot - 1
         if k > 0:
-            self._acting = float(self._motors.commands[(k - 1 - self._motors.delay) % len(self._motors.commands), 0])
+            self._acting = self._motors.acting(k - 1)
             self._speed = tick.odometry[row]
             self._estimator.roll(k, self._speed)
         elif self._last is None:
@@ -192,7 +192,7 @@ class Agent:
         observation = self.observation = Observation(
             at,
             own.pose,
-            self._sighted(at, aged),
+            self._sighted(aged),
             other,
             own.speed,
             own.disturbance,
@@ -231,11 +231,11 @@ class Agent:
             lost=observation.lost,
         )
 
-    def _sighted(self, at: int, aged: NeighborEstimate) -> NeighborEstimate:
+    def _sighted(self, aged: NeighborEstimate) -> NeighborEstimate:
         """The upstream neighbour as it is seen, where it is."""
         if not self._estimator.sees:
             return aged
-        pose, drift = self._estimator.neighbour(at, aged.plan)
+        pose, drift = self._estimator.neighbour()
         return NeighborEstimate(pose, aged.inputs, aged.plan, aged.age, drift, seen=True)
 
     def _input(self, k: int) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from agents.kernels.window_state import LENGTH
+from agents.kernels.window.state import LENGTH
 from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
@@ -76,8 +76,11 @@ class Estimator(Protocol):
         """The newest plan of the upstream neighbour, for the measurements that it carries."""
         ...
 
-    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
-        """The upstream neighbour at tick k as it is seen: pose (3,), and drift (2,) in the world frame [m/s]."""
+    def neighbour(self) -> tuple[FloatArray, FloatArray]:
+        """The upstream neighbour where the plan of the last estimate begins, as it is seen.
+
+        Pose (3,), and drift (2,) in the world frame [m/s].
+        """
         ...
 
     def odometry(self) -> FloatArray:
@@ -136,7 +139,7 @@ class LatestPose:
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""
 
-    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
+    def neighbour(self) -> tuple[FloatArray, FloatArray]:
         raise NotImplementedError("expected an estimator that sees")
 
     def odometry(self) -> FloatArray:

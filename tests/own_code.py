@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from agents.controllers.registry import MAKES
+from agents.controllers.registry import OWN
 from formation.loading.source import LOADED
 from formation.scenario.registry import CONTROLLERS
 from world.bodies.registry import IMPLEMENTATIONS
@@ -34,7 +34,7 @@ Write = Callable[..., str]
 @pytest.fixture
 def clean() -> Iterator[None]:
     """Whatever code a test loads is gone afterwards."""
-    tables: list[dict[object, object]] = [LOADED, CONTROLLERS, MAKES, IMPLEMENTATIONS]  # type: ignore[list-item]
+    tables: list[dict[object, object]] = [LOADED, CONTROLLERS, OWN, IMPLEMENTATIONS]  # type: ignore[list-item]
     before = [dict(table) for table in tables]
     yield
     for table, kept in zip(tables, before, strict=True):

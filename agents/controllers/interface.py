@@ -110,6 +110,23 @@ class Controller(Protocol):
         ...
 
 
+class Team(Protocol):
+    """Plans for all robots at once, in one process; reads no clock."""
+
+    @property
+    def lag(self) -> float:
+        """How far the reference time of all is behind the clock [s]."""
+        ...
+
+    def see(self, k: int, poses: FloatArray) -> None:
+        """Take the true poses (n, 3) of tick k, before any member plans."""
+        ...
+
+    def member(self, robot: int) -> Controller:
+        """The controller of one robot: its part of the plan."""
+        ...
+
+
 Options = TypeVar("Options", bound=ControllerOptions)
 
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, create_model
 
 from agents.controllers.guarded import Guarded
 from agents.controllers.interface import PROTOCOL, Controller
-from agents.controllers.registry import MAKES
+from agents.controllers.registry import OWN
 from agents.controllers.task import Task
 from formation.errors import ScenarioError
 from formation.loading.load import differs, load, unpack
@@ -60,7 +60,7 @@ def _admit(source: Source, found: type) -> Source:
     def make(scenario: Scenario, robot: int, task: Task) -> Controller:
         return Guarded(found, task, scenario.controller, source)
 
-    MAKES[source.name] = make
+    OWN[source.name] = make
     return source
 
 

@@ -1,34 +1,22 @@
-"""How each controller is made, by name. A controller is a module of its own, and a line here.
+"""How a controller is made: the module of its name has a function `make`, or `Team` for one that plans for all robots.
 
-formation/scenario/registry.py has the options and the spec of each of these names.
+A process loads the controllers that it uses, and no others: their kernels take tens of milliseconds each.
+formation/scenario/registry.py has the options and the spec of each name.
 """
 
+import importlib
 from collections.abc import Callable
+from typing import Any, cast
 
-from agents.controllers.centralised import Team
-from agents.controllers.consensus import Consensus
-from agents.controllers.interface import Controller
-from agents.controllers.leader_follower import Follower, Leader
-from agents.controllers.nash import nash
-from agents.controllers.paper import Paper
+from agents.controllers.interface import Controller, Team
 from agents.controllers.task import Task
-from agents.controllers.virtual_structure import virtual_structure
 from formation.errors import ScenarioError
 from formation.loading.load import differs
-from formation.scenario.registry import refusal, spec_of
+from formation.scenario.registry import IN_PROCESS, refusal, spec_of
 from formation.scenario.scenario import Scenario
 
-Make = Callable[[Scenario, int, Task], Controller]
-MAKES: dict[str, Make] = {
-    "nash": nash,
-    "paper": Paper,
-    "leader_follower": lambda scenario, robot, task: (Leader if robot == 1 else Follower)(scenario, robot, task),
-    "virtual_structure": lambda scenario, _, task: virtual_structure(scenario, task),
-    "consensus": lambda scenario, _, task: Consensus(scenario, task),
-}
-"""Of one robot, its number and its pair."""
-TEAMS: dict[str, Callable[[Scenario], Team]] = {"centralised": Team}
-"""Of all robots at once; runtime/inprocess.py gives each agent its part."""
+OWN: dict[str, Callable[[Scenario, int, Task], Controller]] = {}
+"""How controllers of users' own are made that are loaded here."""
 
 
 def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
@@ -38,16 +26,21 @@ def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
         ScenarioError: the controller is one for all robots, which no robot can have for itself, or a user's own that is
             not loaded here.
     """
-    make = MAKES.get(scenario.controller.name)
-    code = spec_of(scenario.controller).code
-    if make is None and code is not None:
+    name, code = scenario.controller.name, spec_of(scenario.controller).code
+    if name in IN_PROCESS:
+        raise refusal(name)
+    if code is None:
+        return cast(Controller, _module(name).make(scenario, robot, task))
+    if name not in OWN:
         raise ScenarioError(differs(code.kind, code.name, code.origin, code.sha256, None))
-    if make is None:
-        raise refusal(scenario.controller.name)
-    return make(scenario, robot, task)
+    return OWN[name](scenario, robot, task)
 
 
 def team_for(scenario: Scenario) -> Team | None:
     """The scenario's controller for all robots at once; None if each robot has its own."""
-    make = TEAMS.get(scenario.controller.name)
-    return make(scenario) if make else None
+    name = scenario.controller.name
+    return cast(Team, _module(name).Team(scenario)) if name in IN_PROCESS else None
+
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"agents.controllers.{name}")

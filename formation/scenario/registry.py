@@ -1,6 +1,6 @@
 """The controllers by name: their options, colour, and what a run has to know of them. One line each.
 
-agents/controllers/registry.py has a constructor for each of these names. Controllers of a user's own are added by who
+Each is made by the module of its name (agents/controllers/registry.py). Controllers of a user's own are added by who
 loads them (agents/controllers/own.py), and by name alone where they are not loaded: by the world and the page.
 """
 

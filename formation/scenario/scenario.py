@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, Field, FiniteFloat, SerializeAsAny, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
@@ -22,14 +22,14 @@ from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Reference
-from formation.scenario.controllers import ControllerOptions, NashOptions
+from formation.scenario.any_controller import AnyController
+from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
-from formation.scenario.registry import CONTROLLERS, DEFAULT, spec_of, told, unknown_controller
+from formation.scenario.registry import spec_of, told
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, NonNegative, Positive
 from formation.slot_motion import Motion
-from formation.validation import as_lines, mistake, shown
 from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000
@@ -43,18 +43,18 @@ class Limits(Model):
     """Limits of a robot's inputs: |v| <= v, |omega| <= omega."""
 
     v: Positive = 0.5
-    """[m/s]."""
+    """Largest |v| [m/s]."""
     omega: Positive = 2.0
-    """[rad/s]."""
+    """Largest |omega| [rad/s]."""
 
 
 class StartNoise(Model):
     """Standard deviations of the start poses."""
 
     position: NonNegative = 0.0
-    """[m], in x and in y."""
+    """Of x and of y [m]."""
     heading: NonNegative = 0.0
-    """[rad]."""
+    """Of the heading [rad]."""
 
 
 class Robots(Model):
@@ -70,7 +70,7 @@ class Noise(Model):
     """Noise, which the prediction model leaves out (docs/theory.md, section 9); n is standard normal."""
 
     slip: NonNegative = 0.0
-    """Each tick v and omega are multiplied by 1 + slip n, each with its own n."""
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n [1]."""
     gyro: NonNegative = 0.0
     """Each tick gyro n is added to omega [rad/s]."""
     position: NonNegative = 0.0
@@ -79,47 +79,32 @@ class Noise(Model):
     """Error of the measured heading [rad]."""
 
 
-def _controller(given: object) -> object:
-    """The options of the controller that a table names, by its own model; the default one if it names none."""
-    if isinstance(given, ControllerOptions):
-        return given
-    if not isinstance(given, dict):
-        raise ValueError(f"expected a table; got {shown(given)}")
-    table = {"name": DEFAULT, **given}
-    spec = CONTROLLERS.get(table["name"]) if isinstance(table["name"], str) else None
-    if spec is None:
-        raise mistake("name", unknown_controller(str(table["name"])).partition(": ")[2])
-    try:
-        return spec.options.model_validate(table)
-    except ValidationError as error:  # its mistakes become those of the scenario
-        raise as_lines(error, spec.options, [other.options for other in CONTROLLERS.values()]) from None
-
-
-AnyController = Annotated[SerializeAsAny[ControllerOptions], BeforeValidator(_controller)]
-
-
 class Scenario(Model):
     """The complete description of an episode: it determines every trajectory, seed included."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    """What tables and the page call it: letters and digits, and _ . - between them."""
     source: str = ""
     """Where it comes from."""
     duration: Annotated[Duration, Field(gt=0.0)] = 60.0
-    """[s]."""
+    """Of an episode, in simulated time [s]."""
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    """Of everything that is drawn: noise, faults, start noise, differences between robots."""
     control_interval: Positive = 0.01
     """delta_t, the length of a tick [s]."""
     path: AnyPath
+    """Where the centre of the formation shall be at which time."""
     formation: Formation
     robots: Robots = Robots()
     noise: Noise = Noise()
     controller: AnyController = NashOptions()
+    """What plans for each robot."""
     bodies: Bodies = Bodies()
     """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
     link: Fault = Fault()
-    """Fault of every link between robots, under the scheduled faults and those that users set."""
+    """Fault of every link that carries plans, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
     disturbances: tuple[Disturbance, ...] = ()
     """Disturbances of the bodies."""

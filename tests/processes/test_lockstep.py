@@ -114,9 +114,14 @@ def test_a_run_of_which_every_process_is_suspended_for_seven_seconds_is_the_same
     def suspend(session: ZenohBus) -> None:
         session.subscribe(topics.state("lockstep"))
         wait_for(lambda: [item for item in session.arrivals() if isinstance(item, Sample)])
-        children = psutil.Process().children(recursive=True)
-        stopped = [child for child in children if child.cmdline()[0].startswith("echelon lockstep: ")]
-        assert len(stopped) == 5, "router, world, three agents"
+        stopped: list[psutil.Process] = []
+
+        def all_are_named() -> bool:
+            children = psutil.Process().children(recursive=True)
+            stopped[:] = [child for child in children if " ".join(child.cmdline()).startswith("echelon lockstep: ")]
+            return len(stopped) == 5
+
+        wait_for(all_are_named)  # router, world, three agents
         for process in stopped:
             process.suspend()
         time.sleep(7.0)

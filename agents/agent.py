@@ -4,8 +4,8 @@ The same Agent runs inside one process on a counted clock and as a process over 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
-from agents.estimator import Estimate, Estimator, LatestPose, Measurement
+from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
 from agents.window_estimator import WindowEstimator
@@ -29,8 +29,7 @@ from network.messages import Command, Plan, Status, Tick
 from network.values import LinkCounts
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Answer:
+class Answer(NamedTuple):
     """What an agent publishes at a tick."""
 
     command: Command
@@ -68,7 +67,8 @@ class Agent:
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
-        self._speed: FloatArray = np.zeros(2)
+        self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
+        self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
         self._said: Plan | None = None
         self._failure = ""
@@ -204,11 +204,8 @@ class Agent:
             task.lost(at),
         )
         solution = self._controller.plan(observation)
-        less = own.disturbance[[0, 2]] if self._compensates else np.zeros(2)
+        less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
         self._last = (k, solution, own.pose, less)
-        inputs = solution.inputs if solution.motion is None else solution.motion
-        lateral = float(own.disturbance[1]) if self._compensates else 0.0
-        theta = float(own.pose[2])
         return Plan(
             sender=self.robot,
             seq=k,
@@ -216,14 +213,14 @@ class Agent:
             episode=self.episode,
             pose=own.pose,
             interval=task.interval,
-            inputs=inputs,
+            inputs=solution.inputs if solution.motion is None else solution.motion,
             lag=solution.lag,
             lag_rate=solution.lag_rate,
             delay=self._motors.delay * task.tick,
             waits=solution.waits,
-            drift=np.array([-lateral * np.sin(theta), lateral * np.cos(theta)]),
+            drift=drift,
             twist=own.twist,
-            disturbance=own.disturbance[[0, 2]],
+            disturbance=own.input_disturbance,
             odometry=self._estimator.odometry(),
             measurements=self._estimator.measurements(),
             news=solution.news,
@@ -243,9 +240,8 @@ class Agent:
         assert self._last is not None
         made, solution, _, less = self._last
         j = min((k - made) // self._task.stride, len(solution.inputs) - 1)
-        v_max, omega_max = self._task.limits
-        v, omega = float(solution.inputs[j, 0]) - float(less[0]), float(solution.inputs[j, 1]) - float(less[1])
-        return min(max(v, -v_max), v_max), min(max(omega, -omega_max), omega_max)
+        (v, omega), (less_v, less_omega), (v_max, omega_max) = solution.inputs[j].tolist(), less.tolist(), self._limits
+        return min(max(v - less_v, -v_max), v_max), min(max(omega - less_omega, -omega_max), omega_max)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""

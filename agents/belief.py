@@ -43,9 +43,9 @@ class Belief:
         if plan is None or plan.inputs.shape != tail.shape:
             return NeighborEstimate(slot, tail, plan)
         elapsed = at - plan.begins  # negative if the sender looks further ahead
-        if elapsed >= len(plan.inputs) * plan.interval:
+        if elapsed >= len(tail) * plan.interval:
             return NeighborEstimate(slot, tail, plan)
-        pose, inputs = np.empty(3), np.empty_like(tail)
+        pose, inputs = np.empty(3), np.empty(tail.shape)
         carry(plan.pose, plan.inputs, plan.drift, elapsed, plan.interval, tail, pose, inputs)
         return NeighborEstimate(pose, inputs, plan, max(elapsed, 0.0), plan.drift)
 

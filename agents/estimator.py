@@ -5,8 +5,7 @@ measured pose as it is, for controllers that are shown as they were printed.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -17,11 +16,10 @@ from formation.scenario.scenario import Scenario
 from network.messages import Plan
 from network.values import NO_MEASUREMENTS, NO_SUMS
 
-STILL: FloatArray = np.zeros(2)
+STILL, NONE, CERTAIN = np.zeros(2), np.zeros(3), np.zeros((3, 3))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Measurement:
+class Measurement(NamedTuple):
     """What sensors tell one robot at a tick."""
 
     tick: int
@@ -32,8 +30,7 @@ class Measurement:
     """(2,) position of the upstream neighbour in the own frame [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class Estimate(NamedTuple):
     """A robot where its next plan begins."""
 
     pose: FloatArray
@@ -50,6 +47,10 @@ class Estimate:
     """Localisations rejected in a row."""
     alarm_age: float
     """Since a disturbance was last detected, by the stamp of the measurement [s]; inf if never."""
+    input_disturbance: FloatArray
+    """(2,) what of the disturbance a command can make good: of v and omega [m/s, rad/s]."""
+    drift: FloatArray
+    """(2,) what it cannot, the lateral part in the world frame [m/s]."""
 
 
 class Estimator(Protocol):
@@ -134,7 +135,7 @@ class LatestPose:
                 v, omega = self._odometry[t % LENGTH]
                 x, y, theta = unicycle.step(x, y, theta, v, omega, self._dt)
             pose = np.array([x, y, theta])
-        return Estimate(pose, self._speed, self._speed, np.zeros(3), np.zeros((3, 3)), 0, math.inf)
+        return Estimate(pose, self._speed, self._speed, NONE, CERTAIN, 0, math.inf, STILL, STILL)
 
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""

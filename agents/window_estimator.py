@@ -11,8 +11,10 @@ from agents.kernels.window.estimation import (
     ALARM,
     COVARIANCE,
     DISTURBANCE,
-    LATERAL,
+    DRIFT,
+    INPUT_DISTURBANCE,
     NEIGHBOUR,
+    NEIGHBOUR_DRIFT,
     POSE,
     REJECTED,
     RESULTS,
@@ -125,7 +127,8 @@ class WindowEstimator:
         if not self._knows:
             return None
         task, motors, hops = self._task, self._motors, self.blocks - 1
-        table, late = task.table(k), task.table(math.floor(k - task.lag / self._dt))
+        table = task.table(k)
+        late = table if task.lag == 0.0 else task.table(math.floor(k - task.lag / self._dt))
         out = self._results = np.empty(RESULTS)
         odometry, rows = np.empty((hops, 4)), np.empty((hops * KEPT, COLUMNS))
         used = estimation.estimate(
@@ -151,18 +154,20 @@ class WindowEstimator:
             rows,
         )
         self._odometry, self._rows = odometry, rows[:used]
-        alarm = (k - self._late - int(out[ALARM])) * self._dt
-        covariance = out[COVARIANCE].reshape(3, 3)
-        return Estimate(out[POSE], out[SPEED], out[TWIST], out[DISTURBANCE], covariance, int(out[REJECTED]), alarm)
+        return Estimate(
+            out[POSE],
+            out[SPEED],
+            out[TWIST],
+            out[DISTURBANCE],
+            out[COVARIANCE].reshape(3, 3),
+            int(out[REJECTED]),
+            (k - self._late - int(out[ALARM])) * self._dt,
+            out[INPUT_DISTURBANCE],
+            out[DRIFT],
+        )
 
     def neighbour(self) -> tuple[FloatArray, FloatArray]:
-        """The upstream neighbour where the plan begins, as it is seen: pose (3,), drift (2,) in the world frame [m/s].
-
-        After `estimate`; only if `sees`.
-        """
-        lateral, pose = float(self._results[LATERAL]), self._results[NEIGHBOUR]
-        theta = float(pose[2])
-        return pose, np.array([-lateral * math.sin(theta), lateral * math.cos(theta)])
+        return self._results[NEIGHBOUR], self._results[NEIGHBOUR_DRIFT]
 
     def hear(self, plan: Plan) -> None:
         """The upstream neighbour's measurements, from its newest plan."""

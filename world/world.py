@@ -14,12 +14,11 @@ from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.reference import Reference
-from formation.scenario.own_code import OwnCode
-from formation.scenario.registry import own_controllers
+from formation.scenario.own_code import SHOWN
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Command, Setup, State, Status, Tick
 from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
-from world.bodies.own import own_bodies
+from world.bodies.own import own_code, own_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
@@ -123,9 +122,7 @@ class World:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
         held = set(self._commands.held)
-        for robot in self.robots:
-            self._commands.push(robot, commands.get(robot), now)
-        inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -135,7 +132,7 @@ class World:
             self.event("agent", f"robot {robot}: its solver {text}", severity)
         for robot, reason in self.convergence.broken(commands):
             self.event("agent", f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error")
-        self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
         self._look()
@@ -225,7 +222,7 @@ class World:
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
             faults=dict(self.faults.table),
-            own_code=[*own_controllers(), *own_bodies()],
+            own_code=own_code(),
         )
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
@@ -236,14 +233,9 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
-            "own_code": [code.model_dump(include={"kind", "name", "origin", "sha256"}) for code in self._own_code()],
+            "own_code": [code.model_dump(include=SHOWN) for code in own_code_of(self._scenario)],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
-
-    def _own_code(self) -> list[OwnCode]:
-        """What of this episode is a user's own code."""
-        used = {("controller", self._scenario.controller.name), ("bodies", self._scenario.bodies.implementation)}
-        return [code for code in (*own_controllers(), *own_bodies()) if (code.kind, code.name) in used]
 
     def _events_of_episode(self) -> list[Event]:
         return [event for event in self.events if event.number > self._earlier_events]

@@ -71,7 +71,7 @@ class Guarded:
         assert self._own is not None
         ahead = self._task.ahead(observation.k)
         reference = Horizon(ahead.slots[:, 0], ahead.inputs[:, 0], ahead.slots[:, 1], ahead.inputs[:, 1])
-        shown = replace(observation, limits=self._task.limits, reference=reference)
+        shown = observation._replace(limits=self._task.limits, reference=reference)
         return self._own.plan(read_only(shown))
 
     def _checked(self, solution: object) -> Solution:
@@ -115,6 +115,8 @@ def read_only(value: Any) -> Any:
         view = value.view()
         view.flags.writeable = False
         return view
+    if isinstance(value, tuple) and hasattr(value, "_make"):
+        return value._make(read_only(part) for part in value)
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{f.name: read_only(getattr(value, f.name)) for f in fields(value) if f.init})
     return value

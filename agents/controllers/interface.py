@@ -1,8 +1,10 @@
-"""The interface of a controller: its observation at a planning tick, and its solution."""
+"""The interface of a controller: its observation at a planning tick, and its solution.
+
+They are NamedTuples: a frozen dataclass takes four times as long to make, and there are four a plan.
+"""
 
 import math
-from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -16,8 +18,7 @@ NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NeighborEstimate:
+class NeighborEstimate(NamedTuple):
     """A neighbour in the ring where the horizon begins."""
 
     pose: FloatArray
@@ -28,14 +29,13 @@ class NeighborEstimate:
     """The message behind it; None before the first."""
     age: float = math.inf
     """Since that plan began [s], at least 0; inf without one, or when it has ended."""
-    drift: FloatArray = field(default_factory=lambda: STILL)
+    drift: FloatArray = STILL
     """(2,) what carries it sideways, in the world frame [m/s]."""
     seen: bool = False
     """Whether the pose comes from relative sensing, rather than from the plan alone."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Horizon:
+class Horizon(NamedTuple):
     """The reference from where the plan begins: what a robot would do if it were in its slot."""
 
     slots: FloatArray
@@ -48,8 +48,7 @@ class Horizon:
     """(N, 2) of the upstream neighbour."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Observation:
+class Observation(NamedTuple):
     """The robot where its plan begins, and what it knows of its neighbours. New fields have defaults."""
 
     k: int
@@ -59,11 +58,11 @@ class Observation:
     upstream: NeighborEstimate
     downstream: NeighborEstimate | None = None
     """None unless the controller hears both neighbours."""
-    speed: FloatArray = field(default_factory=lambda: STILL)
+    speed: FloatArray = STILL
     """(2,) speeds of the wheels there [m/s, rad/s]."""
-    disturbance: FloatArray = field(default_factory=lambda: NONE)
+    disturbance: FloatArray = NONE
     """(3,) estimated body velocity that no command makes: forward, lateral [m/s], turn [rad/s]."""
-    covariance: FloatArray = field(default_factory=lambda: CERTAIN)
+    covariance: FloatArray = CERTAIN
     """(3, 3) of the estimated pose."""
     alarm_age: float = math.inf
     """Since the last detection of a disturbance of the own robot [s]."""
@@ -75,14 +74,13 @@ class Observation:
     """Time constant of the wheels [s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
-    limits: FloatArray = field(default_factory=lambda: STILL)
+    limits: FloatArray = STILL
     """(2,) largest |v| and |omega| [m/s, rad/s]; given to controllers of users' own."""
     reference: Horizon | None = None
     """Given to controllers of users' own; the others ask their Task."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Solution:
+class Solution(NamedTuple):
     """A controller's result."""
 
     inputs: FloatArray
@@ -92,7 +90,7 @@ class Solution:
     lag: float = 0.0
     lag_rate: float = 0.0
     waits: bool = False
-    news: FloatArray = field(default_factory=lambda: NO_NEWS)
+    news: FloatArray = NO_NEWS
     """As in network.messages.Plan."""
     motion: FloatArray | None = None
     """(N, 2) mean body velocities that the inputs lead to, for the plan; the inputs themselves if None."""

@@ -30,6 +30,10 @@ class OwnCode(Model):
     """Of a controller: its default values of the keys that every controller has, where they are others."""
 
 
+SHOWN = {"kind", "name", "origin", "sha256"}
+"""What summaries say of it."""
+
+
 class OpaqueOptions(ControllerOptions):
     """Options of a controller that is not loaded here: its own keys were checked by who loaded it."""
 

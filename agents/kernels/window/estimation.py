@@ -3,6 +3,8 @@
 Every call takes the flat arrays of the state (FlatWindow, Motors) and puts results into arrays of its caller.
 """
 
+import math
+
 from agents.kernels.jit import (
     FLAG,
     MATRIX,
@@ -14,24 +16,20 @@ from agents.kernels.jit import (
     VECTOR_OUT,
     WHOLE,
     WHOLE_VECTOR_OUT,
+    kernel,
     kernel_for,
 )
 from agents.kernels.learning import learn, motors_of
 from agents.kernels.window.filter import Heard, Table, hear, newest_rows, update
 from agents.kernels.window.look_ahead import look_ahead, neighbour_ahead
-from agents.kernels.window.state import LENGTH, tuning_of, window_of
+from agents.kernels.window.state import DL, LENGTH, tuning_of, window_of
 from formation.arrays import FloatArray, IntArray
 
-POSE, SPEED, TWIST, DISTURBANCE, COVARIANCE, NEIGHBOUR = (
-    slice(0, 3),
-    slice(3, 5),
-    slice(5, 7),
-    slice(7, 10),
-    slice(10, 19),
-    slice(19, 22),
-)
-LATERAL, REJECTED, ALARM, RESULTS = 22, 23, 24, 25
-"""Where `estimate` puts what agents.estimator.Estimate describes; the neighbour's pose and lateral drift [m/s], and the
+POSE, SPEED, TWIST, INPUT_DISTURBANCE, DRIFT = slice(0, 3), slice(3, 5), slice(5, 7), slice(7, 9), slice(9, 11)
+DISTURBANCE, COVARIANCE = slice(11, 14), slice(14, 23)
+NEIGHBOUR, NEIGHBOUR_DRIFT = slice(23, 26), slice(26, 28)
+REJECTED, ALARM, RESULTS = 28, 29, 30
+"""Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen, and the
 stamp of the newest own alarm [ticks]. RESULTS is their number."""
 
 
@@ -100,6 +98,12 @@ def sense(
 def take(real: FloatArray, whole: IntArray, odometry: FloatArray, rows: FloatArray, dt: float) -> None:
     """Take what the upstream neighbour's plan carries; see filter.hear."""
     hear(window_of(real, whole), odometry, rows, dt)
+
+
+@kernel
+def _drift(lateral: float, pose: FloatArray, out: FloatArray) -> None:
+    """A lateral velocity at a pose (3,) in the world frame, out (2,) [m/s]."""
+    out[0], out[1] = -lateral * math.sin(pose[2]), lateral * math.cos(pose[2])
 
 
 @kernel_for(
@@ -172,14 +176,17 @@ def estimate(
     update(w, table, Table(late_slots, late_inputs, late_first), lag, plan, mode, ring, q)
     out[SPEED] = speed
     look_ahead(w, motors_of(motors), k, delay, rate, dt, out[POSE], out[SPEED], out[TWIST])
-    out[DISTURBANCE] = w.copy_mean[0, 3:]
+    m, cov = w.copy_mean[0], w.copy_cov
+    out[DISTURBANCE] = m[3:]
+    out[INPUT_DISTURBANCE] = m[3:6:2]
+    _drift(m[DL], out[POSE], out[DRIFT])
     for a in range(3):
         for b in range(3):
-            out[COVARIANCE.start + 3 * a + b] = w.copy_cov[a, b]
+            out[COVARIANCE.start + 3 * a + b] = cov[a, b]
     out[REJECTED], out[ALARM] = w.copy_rejected[0, 0], w.alarm[0]
     if len(w.until) > 1:
         neighbour_ahead(w, k + delay, table, plan, dt, out[NEIGHBOUR])
-        out[LATERAL] = w.copy_mean[1, 4]
+        _drift(w.copy_mean[1, DL], out[NEIGHBOUR], out[NEIGHBOUR_DRIFT])
     hops = len(odometry)
     for h in range(hops):
         odometry[h, 0], odometry[h, 1], odometry[h, 2], odometry[h, 3] = (

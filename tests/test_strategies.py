@@ -13,13 +13,14 @@ from pydantic import BaseModel, Field, TypeAdapter
 
 from formation.disturbances import Disturbance
 from formation.faults import Fault
+from formation.scenario.own_code import OwnCode
 from formation.scenario.scenario import Limits, Noise, StartNoise
 from network.fields import Count, Inputs, Numbers, Pose, Positive
 from network.messages import Message
 from network.values import Event, LinkCounts
 from tests.strategies import of
 
-WHOLE = [*typing.get_args(Message), LinkCounts, Event, Fault]
+WHOLE = [*typing.get_args(Message), LinkCounts, Event, Fault, OwnCode]
 MODELS = [Fault, Disturbance, Limits, Noise, StartNoise]
 
 

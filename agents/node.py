@@ -215,9 +215,9 @@ class AgentNode:
 
     def _begin(self, setup: Setup) -> None:
         """A new episode. Raises ScenarioError if its controller is a user's own and not the one that is loaded here."""
-        register_unloaded(setup.own_code)
+        register_unloaded(setup.user_code)
         scenario = Scenario.model_validate_json(setup.scenario)
-        check_loaded(setup.own_code, scenario.controller.name)
+        check_loaded(setup.user_code, scenario.controller.name)
         here = self._robot <= scenario.size
         agent = Agent(scenario, self._robot, episode=setup.episode) if here else None
         self._scenario, self._agent = scenario, agent

@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
+from cli.own_path import use_own_path
+
 COMMANDS = {
     "up": "start a live run: its processes and the dashboard",
     "run": "simulate a scenario without a page and print its measures",
@@ -39,6 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
+    if arguments is None:
+        use_own_path()  # before anything else is imported
     words = list(sys.argv[1:] if arguments is None else arguments)
     if _starts_processes(words):
         importlib.import_module("runtime.fork_server").start_early()

@@ -15,9 +15,9 @@ from formation.scenario.overrides import at_path, from_settings, from_text, merg
 from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
 from network.zenoh_bus import ZenohBus
-from runtime.own_code import named
 from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
+from runtime.user_code import named
 
 DEFAULT_SCENARIO = "triangle-circle"
 

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from formation.errors import WireError
 from formation.faults import Fault
 from formation.link_ids import LinkId
-from formation.scenario.own_code import OwnCode
+from formation.scenario.user_code import UserCode
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
 from network.topics import MESSAGES
@@ -68,7 +68,7 @@ def _plain(value: object) -> object:
         return str(value)
     if isinstance(value, Fault):
         return value.plain()
-    if isinstance(value, OwnCode):
+    if isinstance(value, UserCode):
         return value.model_dump()
     if isinstance(value, tuple):
         return list(value)

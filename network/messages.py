@@ -9,7 +9,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
-from formation.scenario.own_code import OwnCode
+from formation.scenario.user_code import UserCode
 from network.fields import (
     STRICT,
     Count,
@@ -266,7 +266,7 @@ class Setup:
     mode: Mode
     faults: dict[Link, Fault]
     """As in State."""
-    own_code: list[OwnCode] = field(default_factory=list)
+    user_code: list[UserCode] = field(default_factory=list)
     """Controllers and bodies of users' own that the run knows; who has another text of them has no part in it."""
     __pydantic_config__ = STRICT
 

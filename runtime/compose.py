@@ -7,8 +7,8 @@ from formation.loading.source import LOADED
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
-from runtime.own_code import NO_CODE, CodeArguments, mounted
 from runtime.process_list import Program, RunPlan, programs
+from runtime.user_code import NO_CODE, CodeArguments, mounted
 
 RUN = "echelon"
 ROUTER_PORT = 7447

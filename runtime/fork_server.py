@@ -9,6 +9,7 @@ import os
 from multiprocessing.context import ForkServerContext
 
 from agents.kernels.jit_cache import compiled
+from runtime.own_code import own_code
 
 _ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
 ENVIRONMENT = {
@@ -22,7 +23,7 @@ environment readable from outside."""
 
 
 def context() -> ForkServerContext:
-    """What processes are made with. The fork server itself starts with the first of them, or in `start_early`."""
+    """What processes are made with, once `start` has started the fork server."""
     for variable, value in ENVIRONMENT.items():
         os.environ.setdefault(variable, value)
     found = multiprocessing.get_context("forkserver")
@@ -30,8 +31,14 @@ def context() -> ForkServerContext:
     return found
 
 
-def start_early() -> None:
-    """Start the fork server now, unless it would have to compile the solver. It ends with this process."""
-    if compiled():
-        context()
+def start() -> None:
+    """Start the fork server if it does not run yet. It ends with this process."""
+    context()
+    with own_code():
         multiprocessing.forkserver.ensure_running()
+
+
+def start_early() -> None:
+    """Start the fork server now, unless it would have to compile the solver."""
+    if compiled():
+        start()

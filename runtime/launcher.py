@@ -19,11 +19,11 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
-from runtime.own_code import packed
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
+from runtime.user_code import packed
 
 WATCH_SECONDS = 0.05
 

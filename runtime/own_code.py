@@ -1,92 +1,41 @@
-"""Code of users' own on its way from the launcher to the processes of a run: as it was read, not as its file is now."""
+"""No process of ours imports code of the current folder or of the user's PYTHONPATH.
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+The names of our rooms are common words: a `network.py`, a `queue.py` or a package `agents` beside the user's scenario
+would be imported in their place, and run. A process that is started with `python -c`, as multiprocessing starts its
+own, looks into the current folder first, and this before any code of ours could prevent it: only its environment can.
+"""
+
+import contextlib
+import os
+import sysconfig
+from collections.abc import Iterator
 from pathlib import Path
 
-from formation.errors import ScenarioError
-from formation.loading.load import PACKED
-from formation.loading.source import LOADED, Kind, Source
-from formation.scenario import registry
-from formation.scenario.own_code import OwnCode, to_text
-
-MOUNT = "/own"
-"""Folder of the containers in which the folders of users' files are mounted."""
+ROOT = Path(__file__).parents[1]
+"""The folder of this code: a checkout, or the site-packages that it is installed in."""
 
 
-@dataclass(frozen=True, slots=True)
-class CodeArguments:
-    """What the processes of a run are told of code of users' own."""
-
-    controllers: tuple[str, ...] = ()
-    """For --controller of agents and ghost."""
-    bodies: tuple[str, ...] = ()
-    """For --bodies of world and ghost."""
-    known: str = ""
-    """For --controllers of the world, which loads none of them."""
+def variables() -> dict[str, str | None]:
+    """What an own process has in its environment; None: not set."""
+    installed = str(ROOT) in (sysconfig.get_path("purelib"), sysconfig.get_path("platlib"))
+    # Installed packages must stay behind Python's own modules, where they are found without being named.
+    return {"PYTHONSAFEPATH": "1", "PYTHONPATH": None if installed else str(ROOT)}
 
 
-NO_CODE = CodeArguments()
+@contextlib.contextmanager
+def own_code() -> Iterator[None]:
+    """Python processes that are started meanwhile import our code and installed packages only."""
+    before = {name: os.environ.get(name) for name in variables()}
+    _set(variables())
+    try:
+        yield
+    finally:
+        _set(before)
 
 
-def named(spec: str, kind: Kind) -> str:
-    """Load code of a user's own; its name. Raises ScenarioError."""
-    if kind == "bodies":
-        from world.bodies.own import load_bodies  # noqa: PLC0415  the launcher alone needs no bodies
-
-        return load_bodies(spec).name
-    from agents.controllers.own import load_controller  # noqa: PLC0415  half a second, for numba
-
-    return load_controller(spec).name
-
-
-def admit(source: Source) -> None:
-    """Load what another process has read, unless it is loaded already. Raises ScenarioError."""
-    if LOADED.get((source.kind, source.name)) == source:
-        return
-    if source.kind == "bodies":
-        from world.bodies import own as bodies  # noqa: PLC0415
-
-        bodies.admit(source)
-    else:
-        from agents.controllers import own as controllers  # noqa: PLC0415
-
-        controllers.admit(source)
-
-
-def packed(folder: Path) -> CodeArguments:
-    """Write what is loaded into a run's folder, for its processes."""
-
-    def write(source: Source) -> str:
-        file = folder / f"{source.kind}-{source.name}{PACKED}"
-        file.write_text(source.to_json(), encoding="utf-8")
-        return str(file)
-
-    return _arguments([*LOADED.values()], write)
-
-
-def mounted(sources: Iterable[Source]) -> tuple[CodeArguments, dict[str, str]]:
-    """For containers: the arguments, and which folder is mounted where.
-
-    Raises:
-        ScenarioError: an installed module, which the image does not have.
-    """
-    mounts: dict[str, str] = {}
-
-    def place(source: Source) -> str:
-        if source.file is None:
-            raise ScenarioError(
-                f"--{source.kind}: expected FILE.py:CLASS, whose folder can be mounted; got {source.origin}, which the "
-                "image does not have"
-            )
-        there = mounts.setdefault(str(source.file.parent), f"{MOUNT}/{len(mounts) + 1}")
-        return f"{there}/{source.file.name}:{source.attribute}"
-
-    return _arguments([*sources], place), mounts
-
-
-def _arguments(sources: list[Source], argument: Callable[[Source], str]) -> CodeArguments:
-    controllers = tuple(argument(source) for source in sources if source.kind == "controller")
-    bodies = tuple(argument(source) for source in sources if source.kind == "bodies")
-    known: list[OwnCode] = registry.own_controllers()
-    return CodeArguments(controllers, bodies, to_text(known) if controllers else "")
+def _set(values: dict[str, str | None]) -> None:
+    for name, value in values.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value

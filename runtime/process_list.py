@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.scenario import Scenario
-from runtime.own_code import NO_CODE, CodeArguments
+from runtime.user_code import NO_CODE, CodeArguments
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,7 @@ class Supervisor:
     def start(self, programs: Iterable[Program]) -> None:
         """Start processes."""
         for program in programs:
+            fork_server.start()
             process = self._context.Process(
                 target=_enter, args=(program.module, program.arguments, f"echelon {self._run}: {program.name}")
             )

@@ -8,8 +8,8 @@ import sys
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.overrides import from_json
-from formation.scenario.own_code import from_text
 from formation.scenario.registry import check_live, register_unloaded
+from formation.scenario.user_code import from_text
 from network.lifetime import Lifetime
 from network.values import Mode
 from network.zenoh_bus import ZenohBus

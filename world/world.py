@@ -14,11 +14,11 @@ from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.reference import Reference
-from formation.scenario.own_code import SHOWN
 from formation.scenario.scenario import Scenario
+from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, Setup, State, Status, Tick
 from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
-from world.bodies.own import own_code, own_code_of
+from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
@@ -222,7 +222,7 @@ class World:
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
             faults=dict(self.faults.table),
-            own_code=own_code(),
+            user_code=user_code(),
         )
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
@@ -233,7 +233,7 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
-            "own_code": [code.model_dump(include=SHOWN) for code in own_code_of(self._scenario)],
+            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
 

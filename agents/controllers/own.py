@@ -18,9 +18,9 @@ from formation.errors import ScenarioError
 from formation.loading.load import differs, load, unpack
 from formation.loading.source import LOADED, Source, admitted
 from formation.scenario.controllers import SHARED_KEYS, ControllerOptions
-from formation.scenario.own_code import OwnCode
 from formation.scenario.registry import ControllerSpec, check_free, register
 from formation.scenario.scenario import Scenario
+from formation.scenario.user_code import UserCode
 
 
 def load_controller(spec: str) -> Source:
@@ -46,7 +46,7 @@ def _admit(source: Source, found: type) -> Source:
     source = admitted(source)
     options = _options(found, source)
     defaults = {key: options.model_fields[key].default for key in SHARED_KEYS}
-    code = OwnCode(
+    code = UserCode(
         kind="controller",
         name=source.name,
         origin=source.origin,
@@ -64,7 +64,7 @@ def _admit(source: Source, found: type) -> Source:
     return source
 
 
-def check_loaded(codes: list[OwnCode], name: str) -> None:
+def check_loaded(codes: list[UserCode], name: str) -> None:
     """Refuse a run whose controller is a user's own and is not loaded here, or is another text here.
 
     Args:

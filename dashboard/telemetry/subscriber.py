@@ -127,7 +127,7 @@ class TelemetrySubscriber:
             setup = self._bus.setup()
             if setup is None:
                 return
-            register_unloaded(setup.own_code)
+            register_unloaded(setup.user_code)
             scenario = parse(json.loads(setup.scenario), where="the world's scenario")
         except (EchelonError, ValueError) as error:
             self._rejects.add("setup", error)

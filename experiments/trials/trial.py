@@ -56,7 +56,7 @@ class Trial:
     """Its point in a grid, by column: the scenario and every axis."""
     code: str = field(default_factory=code_version)
     """`code_version()` of who asks."""
-    own_code: tuple[Source, ...] = ()
+    user_code: tuple[Source, ...] = ()
     """Code of users' own that it needs, with the text."""
 
     @property
@@ -64,7 +64,7 @@ class Trial:
         """Names the result: the same scenario, measured the same way by the same code."""
         event = self.measurement.event
         measurement = {**asdict(self.measurement), "event": event and event.model_dump()}
-        named = [self.scenario, self.seed, measurement, self.code, *(source.sha256 for source in self.own_code)]
+        named = [self.scenario, self.seed, measurement, self.code, *(source.sha256 for source in self.user_code)]
         return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
     def load(self) -> Scenario:
@@ -78,10 +78,10 @@ class Trial:
             EchelonError: the scenario is wrong, or this machine has other code than who asks.
         """
         from experiments.trials.simulate import simulate  # noqa: PLC0415  loads the kernels: only workers need them
-        from runtime.own_code import admit  # noqa: PLC0415
+        from runtime.user_code import admit  # noqa: PLC0415
 
         check_code_version(self.code)
-        for source in self.own_code:
+        for source in self.user_code:
             admit(source)
         return simulate(self).plain()
 
@@ -107,10 +107,10 @@ def trial(
         loaded = files.load(scenario, merged(overrides, {"duration": limit}))
     # A fault tells which keys it changes by setting them: what is not set stays out.
     table = loaded.model_dump(mode="json", exclude_unset=True)
-    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size, own_code=_own_code(loaded))
+    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size, user_code=_user_code(loaded))
 
 
-def _own_code(scenario: Scenario) -> tuple[Source, ...]:
+def _user_code(scenario: Scenario) -> tuple[Source, ...]:
     """What of the scenario is loaded code of a user's own."""
     names: list[tuple[Kind, str]] = [
         ("controller", scenario.controller.name),

@@ -17,7 +17,7 @@ from formation.scenario.controllers import (
     PaperOptions,
     VirtualStructureOptions,
 )
-from formation.scenario.own_code import OwnCode, opaque_options
+from formation.scenario.user_code import UserCode, opaque_options
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class ControllerSpec:
     """Whether every robot must know the path itself; else it also runs with path.known_to = "leader"."""
     rounds_corners: bool = True
     """Whether its references turn corners feasibly; else it follows the paper's, jumps included."""
-    code: OwnCode | None = None
+    code: UserCode | None = None
     """Of a controller of a user's own."""
 
     @property
@@ -76,7 +76,7 @@ def told() -> tuple[str, ...]:
     return tuple(name for name, spec in CONTROLLERS.items() if not spec.needs_path)
 
 
-def own_controllers() -> list[OwnCode]:
+def own_controllers() -> list[UserCode]:
     """The controllers of users' own that this process knows."""
     return [spec.code for spec in CONTROLLERS.values() if spec.code is not None]
 
@@ -100,7 +100,7 @@ def register(spec: ControllerSpec) -> None:
     CONTROLLERS[spec.name] = spec
 
 
-def register_unloaded(codes: Iterable[OwnCode]) -> None:
+def register_unloaded(codes: Iterable[UserCode]) -> None:
     """Add controllers by what is known of them; those that are loaded here, in the same text, stay.
 
     Raises:

@@ -146,8 +146,8 @@ class GhostNode:
         if response.request.operation == request(GetSetup()).operation:
             setup = decode(Setup, response.payload)
             if needs_setup and setup.episode == state.episode:
-                register_unloaded(setup.own_code)
-                check_loaded(setup.own_code, state.compare)
+                register_unloaded(setup.user_code)
+                check_loaded(setup.user_code, state.compare)
                 scenario = Scenario.model_validate_json(setup.scenario)
                 self._shadow = Shadow(scenario, state.compare, state.episode)
                 self._revision, self._ask_at = -1, 0.0

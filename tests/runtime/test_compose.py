@@ -16,7 +16,7 @@ from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
 from runtime.process_list import Program, RunPlan, programs
-from tests.own_code import clean, hold_slot
+from tests.user_code import clean, hold_slot
 
 __all__ = ["clean", "hold_slot"]
 Write = Callable[..., str]

@@ -13,9 +13,9 @@ from formation.arrays import FloatArray, frozen
 from formation.errors import ScenarioError
 from formation.loading.load import failure, folder_of, load, unpack
 from formation.loading.source import Source, admitted, loaded
-from formation.scenario.own_code import OwnCode
 from formation.scenario.registry import own_controllers
 from formation.scenario.scenario import Scenario
+from formation.scenario.user_code import UserCode
 from network.values import NO_PLACES
 from world.bodies.registry import IMPLEMENTATIONS
 from world.bodies.sensors import Measured
@@ -107,13 +107,13 @@ def _admit(source: Source, found: type) -> Source:
     return source
 
 
-def own_code() -> list[OwnCode]:
+def user_code() -> list[UserCode]:
     """All code of users' own that this process knows."""
-    found = [OwnCode(kind="bodies", name=s.name, origin=s.origin, sha256=s.sha256) for s in loaded("bodies").values()]
+    found = [UserCode(kind="bodies", name=s.name, origin=s.origin, sha256=s.sha256) for s in loaded("bodies").values()]
     return [*own_controllers(), *found]
 
 
-def own_code_of(scenario: Scenario) -> list[OwnCode]:
+def user_code_of(scenario: Scenario) -> list[UserCode]:
     """What of a scenario is code of a user's own."""
     used = {("controller", scenario.controller.name), ("bodies", scenario.bodies.implementation)}
-    return [code for code in own_code() if (code.kind, code.name) in used]
+    return [code for code in user_code() if (code.kind, code.name) in used]

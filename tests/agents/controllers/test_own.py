@@ -17,7 +17,7 @@ from formation.scenario.scenario import Scenario
 from network.control import Reset
 from runtime.inprocess import Simulation
 from tests.memory_run import MemoryRun
-from tests.own_code import clean, hold_slot
+from tests.user_code import clean, hold_slot
 
 __all__ = ["clean", "hold_slot"]
 Write = Callable[..., str]
@@ -184,7 +184,7 @@ def test_an_agent_with_another_text_takes_no_part(hold_slot: Write) -> None:
     task = scenario(name)
     run = MemoryRun(task)
     setup = run.world.setup()
-    own.check_loaded(setup.own_code, name)
+    own.check_loaded(setup.user_code, name)
     load_controller(hold_slot("x = 1"))
     with pytest.raises(ScenarioError, match=r"controller HoldSlot: expected mine.py:HoldSlot of SHA-256 .*got that of"):
-        own.check_loaded(setup.own_code, name)
+        own.check_loaded(setup.user_code, name)

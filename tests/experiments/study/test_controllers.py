@@ -13,7 +13,7 @@ from experiments.study.study import load, parse, shipped
 from experiments.trials.batch import Place
 from formation.errors import StudyError
 from formation.loading.source import LOADED
-from tests.own_code import clean, hold_slot
+from tests.user_code import clean, hold_slot
 
 __all__ = ["clean", "hold_slot"]
 Write = Callable[..., str]

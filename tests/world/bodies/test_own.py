@@ -9,7 +9,7 @@ import pytest
 from formation.errors import ScenarioError
 from formation.scenario.files import load
 from runtime.inprocess import Simulation
-from tests.own_code import clean
+from tests.user_code import clean
 from world.bodies.own import load_bodies
 
 __all__ = ["clean"]
@@ -47,7 +47,7 @@ def test_they_move_the_robots(tmp_path: Path, clean: None) -> None:
     distance, _, _ = own.simulate().errors()
     assert np.abs(distance[-1]).max() < 1e-3
     assert own.trace.poses[-1].any()
-    assert [code["origin"] for code in own.world.summary()["own_code"]] == ["puck.py:Puck"]
+    assert [code["origin"] for code in own.world.summary()["user_code"]] == ["puck.py:Puck"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from formation.scenario.controllers import SHARED_KEYS, ControllerOptions
 from formation.schema import Model
 
 
-class OwnCode(Model):
+class UserCode(Model):
     """A class of a user's own."""
 
     kind: Kind
@@ -40,15 +40,15 @@ class OpaqueOptions(ControllerOptions):
     model_config = ConfigDict(extra="allow")
 
 
-_LIST: TypeAdapter[list[OwnCode]] = TypeAdapter(list[OwnCode])
+_LIST: TypeAdapter[list[UserCode]] = TypeAdapter(list[UserCode])
 
 
-def to_text(codes: Iterable[OwnCode]) -> str:
+def to_text(codes: Iterable[UserCode]) -> str:
     """A list as one argument of a process."""
     return _LIST.dump_json([*codes], exclude_defaults=True).decode()
 
 
-def from_text(text: str) -> list[OwnCode]:
+def from_text(text: str) -> list[UserCode]:
     """The list that `to_text` wrote. Raises ScenarioError."""
     try:
         return _LIST.validate_json(text)
@@ -58,7 +58,7 @@ def from_text(text: str) -> list[OwnCode]:
         ) from None
 
 
-def opaque_options(code: OwnCode) -> type[ControllerOptions]:
+def opaque_options(code: UserCode) -> type[ControllerOptions]:
     """The model of the options of a controller that is not loaded here."""
     defaults = {
         key: (ControllerOptions.model_fields[key].rebuild_annotation(), code.defaults[key])

@@ -12,9 +12,9 @@ import pytest
 from formation.scenario.registry import BUILT_IN
 from network.zenoh_bus import ZenohBus
 from runtime.run_registry import find
-from tests.own_code import clean, hold_slot
 from tests.processes.live import Up, echelon, wait_for
 from tests.processes.test_compare import Ears
+from tests.user_code import clean, hold_slot
 from tests.world.bodies.test_own import BODY
 
 __all__ = ["clean", "hold_slot"]
@@ -35,8 +35,8 @@ def test_both_engines_give_one_hash(hold_slot: Write, runs: Path) -> None:
     words = ("--controller", hold_slot(), "--bodies", f"{body}:Puck", "--set", "link.latency=0.05")
     found = [summary(engine, *words) for engine in ("inprocess", "processes")]
     assert len({one["trajectory_sha256"] for one in found}) == 1
-    assert len({json.dumps(one["own_code"]) for one in found}) == 1
-    assert {code["origin"] for code in found[0]["own_code"]} == {"mine.py:HoldSlot", "puck.py:Puck"}
+    assert len({json.dumps(one["user_code"]) for one in found}) == 1
+    assert {code["origin"] for code in found[0]["user_code"]} == {"mine.py:HoldSlot", "puck.py:Puck"}
 
 
 def test_a_failure_is_the_same_event_in_both_engines(hold_slot: Write, runs: Path) -> None:
@@ -58,7 +58,7 @@ def test_it_runs_beside_another_as_a_ghost_and_a_restarted_agent_has_the_text_of
     with ZenohBus(find("test").endpoint, "test") as session:
         setup = session.setup()
         assert setup is not None
-        assert [code.name for code in setup.own_code] == ["HoldSlot"]
+        assert [code.name for code in setup.user_code] == ["HoldSlot"]
         ears = Ears(session)
         echelon("control", "compare", "HoldSlot")
         pairs = wait_for(lambda: ears.pairs("HoldSlot"))

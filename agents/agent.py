@@ -14,9 +14,11 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
+from agents.driver_receiver import DriverReceiver
 from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
+from agents.sending import Sending
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -62,6 +64,7 @@ class Agent:
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
         if own.uses_downstream and scenario.size > 2:
             self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
+        self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
@@ -70,11 +73,11 @@ class Agent:
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
-        self._said: Plan | None = None
         self._failure = ""
         """Of a user's own controller, once it has failed: until a reset the robot stands, and publishes no plan."""
         self.observation: Observation | None = None
         """What the controller was asked with last."""
+        self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
         self._solves: list[float] = []
@@ -88,6 +91,8 @@ class Agent:
         for receiver in self._receivers:
             receiver.set_faults(faults)
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
+        if self._driver:
+            self._driver.set_faults(faults)
 
     @property
     def hears(self) -> list[int]:
@@ -125,6 +130,11 @@ class Agent:
                 self._task.hear(plan.way, k + self._motors.delay)
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
+        if self._driver:
+            self._driver.receive(tick)
+            preview = self._driver.preview(k) if k % self.planning == 0 or self._last is None else None
+            if preview is not None:
+                self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
         if self._failure:
@@ -136,7 +146,7 @@ class Agent:
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
                 return self._stand(k, stamp, age)
             try:
-                plan = self._said = self._plan(k, stamp, own)
+                plan = self._sending.offer(self._plan(k, stamp, own))
             except ControllerFailedError as error:
                 self._failure = str(error)
                 return self._stand(k, stamp, age)
@@ -226,6 +236,7 @@ class Agent:
             news=solution.news,
             way=task.preview(k),
             lost=observation.lost,
+            number=self._sending.next,
         )
 
     def _sighted(self, aged: NeighborEstimate) -> NeighborEstimate:
@@ -255,7 +266,7 @@ class Agent:
             episode=self.episode,
             link=self._receivers[0].id,
             age=belief.seconds_old(stamp),
-            plan=self._said,
+            plan=self._sending.last,
             held=belief.plan,
             counts=self.counts(),
             solve=solve,
@@ -264,8 +275,8 @@ class Agent:
             rejected=rejected,
             pid=pid,
             converged=self._converged,
-            way_age=self._task.way_age(k),
-            lost=self._said is not None and self._said.lost,
+            way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
+            lost=self._sending.last is not None and self._sending.last.lost,
         )
 
     @property

@@ -1,7 +1,6 @@
-"""The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
+"""The messages between the processes of a run: frozen values with sender, seq and stamp (simulated time [s]).
 
-`stamp` is simulated time [s]; `episode` changes with every reset, so that messages of an earlier episode are not taken
-for messages of this one. Robots are numbered from 1. network/codec.py encodes and decodes them.
+`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes.
 """
 
 from dataclasses import dataclass, field
@@ -10,9 +9,11 @@ from typing import Any
 from formation import link_ids
 from formation.faults import Fault
 from formation.scenario.user_code import UserCode
+from network import values
 from network.fields import (
     STRICT,
     Count,
+    Drive,
     Flag,
     Inputs,
     Link,
@@ -33,7 +34,7 @@ from network.fields import (
     Velocity,
     Way,
 )
-from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Event, LinkCounts, Mode, RunStatus
+from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -68,6 +69,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
+    drive: Drive = field(default_factory=lambda: values.NO_DRIVE)
+    """To robot 1, over the link driver->1: what its driver sends at this tick."""
     __pydantic_config__ = STRICT
 
 
@@ -94,22 +97,24 @@ class Plan:
     """From `stamp` to when the plan begins: the time after which the sender's commands have an effect [s]."""
     waits: Flag = False
     """Whether it holds its lag up by its own need."""
-    drift: Velocity = field(default_factory=lambda: STILL)
+    drift: Velocity = field(default_factory=lambda: values.STILL)
     """Estimated velocity that carries it sideways, in the world frame [m/s]."""
-    twist: Velocity = field(default_factory=lambda: STILL)
+    twist: Velocity = field(default_factory=lambda: values.STILL)
     """Mean body velocity from `stamp` to `begins` [m/s, rad/s]."""
-    disturbance: Velocity = field(default_factory=lambda: STILL)
+    disturbance: Velocity = field(default_factory=lambda: values.STILL)
     """What it estimates to disturb its v and omega [m/s, rad/s]."""
-    odometry: Sums = field(default_factory=lambda: NO_SUMS)
+    odometry: Sums = field(default_factory=lambda: values.NO_SUMS)
     """Since its agent began: of the sender, then of the robots upstream of it that it passes on."""
-    measurements: Measurements = field(default_factory=lambda: NO_MEASUREMENTS)
+    measurements: Measurements = field(default_factory=lambda: values.NO_MEASUREMENTS)
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
-    news: News = field(default_factory=lambda: NO_NEWS)
+    news: News = field(default_factory=lambda: values.NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
-    way: Way = field(default_factory=lambda: NO_WAY)
+    way: Way = field(default_factory=lambda: values.NO_WAY)
     """The newest preview of the path that it knows; empty where every robot knows the path."""
     lost: Flag = False
     """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""
+    number: Count = 0
+    """Of the plans that the sender sent in this episode, from 0: a gap is a loss, a plan that was not sent is none."""
     __pydantic_config__ = STRICT
 
     @property
@@ -140,7 +145,7 @@ class Command:
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
     failure: Text = ""
-    """Of a controller of a user's own that has failed in this episode, what went wrong and where; v and omega are 0."""
+    """Of a user's own controller that has failed in this episode: what and where; v and omega are 0 then."""
     __pydantic_config__ = STRICT
 
 
@@ -230,6 +235,8 @@ class State:
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
+    driving: Driving = field(default_factory=Driving)
+    """The driver's orders, where the path is driven."""
     __pydantic_config__ = STRICT
 
 
@@ -266,8 +273,7 @@ class Setup:
     mode: Mode
     faults: dict[Link, Fault]
     """As in State."""
-    user_code: list[UserCode] = field(default_factory=list)
-    """Controllers and bodies of users' own that the run knows; who has another text of them has no part in it."""
+    user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 
 

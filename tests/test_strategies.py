@@ -13,14 +13,14 @@ from pydantic import BaseModel, Field, TypeAdapter
 
 from formation.disturbances import Disturbance
 from formation.faults import Fault
-from formation.scenario.scenario import Limits, Noise, StartNoise
+from formation.scenario.robots import Limits, Noise, StartNoise
 from formation.scenario.user_code import UserCode
 from network.fields import Count, Inputs, Numbers, Pose, Positive
 from network.messages import Message
-from network.values import Event, LinkCounts
+from network.values import Driving, Event, LinkCounts
 from tests.strategies import of
 
-WHOLE = [*typing.get_args(Message), LinkCounts, Event, Fault, UserCode]
+WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Fault, UserCode]
 MODELS = [Fault, Disturbance, Limits, Noise, StartNoise]
 
 

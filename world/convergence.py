@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from network.messages import Command
+from network.values import Severity
 
 RECOVERED_SECONDS = 1.0
 """After so long without a failure a solver works again [s], so that one that fails now and then is one event."""
@@ -18,6 +19,16 @@ class Convergence:
         """Of these, plans that are a fallback because the solver did not converge."""
         self._failed_at: dict[int, float] = {}
         self._broken: set[int] = set()
+
+    def reports(self, commands: Mapping[int, Command], now: float) -> list[tuple[str, Severity]]:
+        """Texts of the events that the commands of a tick report; arguments as of `add`."""
+        found: list[tuple[str, Severity]] = []
+        for robot, works in self.add(commands, now):
+            text = "converges again" if works else "does not converge: a fallback drives"
+            found.append((f"robot {robot}: its solver {text}", "info" if works else "error"))
+        for robot, reason in self.broken(commands):
+            found.append((f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error"))
+        return found
 
     def broken(self, commands: Mapping[int, Command]) -> list[tuple[int, str]]:
         """Robots whose controller, a user's own, has failed for good at this tick, with the reason."""

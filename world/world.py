@@ -13,16 +13,16 @@ from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
-from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, Setup, State, Status, Tick
-from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
+from world.driver import Driver
 from world.faults import FaultState
 from world.trace import Trace
 
@@ -56,11 +56,13 @@ class World:
         scenario = self._scenario
         self.k = 0
         self._earlier_events = self._event_count
-        self.endless = self._endless_wish and scenario.path.period is not None
+        self.endless = self._endless_wish and scenario.path.endless
         self.plant = bodies_for(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks)
+        self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
+        self._reference = self.driver.reference if self.driver else scenario.reference()
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self._reference)
         if self.trace:
             self.trace.start(self.plant.poses)
         self.counts: dict[LinkId, LinkCounts] = {}
@@ -68,12 +70,12 @@ class World:
         self.live: set[int] = set()
         self.convergence = Convergence()
         self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
-        self._reference: Reference = scenario.reference()
         self._commands = CommandLinks(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
         self._look()
+        self._drive()
 
     # ------------------------------------------------------------------ state
 
@@ -115,6 +117,7 @@ class World:
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
+                drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
         return self._tick
 
@@ -127,17 +130,20 @@ class World:
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
-        for robot, works in self.convergence.add(commands, now):
-            text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
-            self.event("agent", f"robot {robot}: its solver {text}", severity)
-        for robot, reason in self.convergence.broken(commands):
-            self.event("agent", f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error")
+        for text, severity in self.convergence.reports(commands, now):
+            self.event("agent", text, severity)
         self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
         self._look()
         self._tick = None
+        self._drive()
         self._apply_faults()
+
+    def _drive(self) -> None:
+        """The driver's orders for the tick that is computed next."""
+        for line in self.driver.begin(self.k) if self.driver else ():
+            self.event("drive", line)
 
     def _look(self) -> None:
         """Count who touches whom."""
@@ -234,6 +240,7 @@ class World:
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
             "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
+            "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
 
@@ -288,4 +295,5 @@ class World:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            driving=self.driver.shown if self.driver else Driving(),
         )

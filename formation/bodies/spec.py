@@ -52,6 +52,17 @@ class RelativeSensing(Model):
     """Standard deviation of x and y [m]; without a value robots do not see each other."""
 
 
+class Gusts(Model):
+    """Pushes that come and go by chance, alone or together."""
+
+    sigma: NonNegative = 0.0
+    """Standard deviation of the velocity with which a robot is carried, along x and along y [m/s]."""
+    time: Annotated[Duration, Field(gt=0.0)] = 2.0
+    """Correlation time [s]."""
+    correlation: Probability = 0.0
+    """Of any two robots' gusts: 0, each has its own; 1, all are carried alike."""
+
+
 class BodyLimits(Model):
     """What a body can do: |v| <= v, |omega| <= omega."""
 
@@ -127,6 +138,7 @@ class Bodies(Model):
     """By which factor the scenario's lengths have been multiplied so that the robots fit [1]."""
     localisation: Localisation = Localisation()
     relative: RelativeSensing = RelativeSensing()
+    gusts: Gusts = Gusts()
     robots: tuple[RobotBody, ...] = ()
     """What differs from robot to robot."""
 

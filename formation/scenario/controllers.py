@@ -21,6 +21,10 @@ class ControllerOptions(Model):
     age_plans: bool | None = None
     """Roll a received plan forward to now, or use it as if it were fresh; the controller's own way by default."""
 
+    send_when: Positive | None = None
+    """A plan goes out only when the receivers' forecast of the robot's place is wrong by more than this [m], when
+    somebody waits, or after 0.5 s; by default every plan goes out."""
+
     @property
     def uses_sight(self) -> bool:
         """Whether it uses the upstream neighbour's position where bodies have relative sensing."""

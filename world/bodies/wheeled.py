@@ -3,7 +3,7 @@
 A command c acts `delay` after its arrival, held within the limits. Wheel speeds follow it,
 w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as a unicycle with
 v = drive (1 + s_v)(1 + slip n_1) w_v and omega = drive ((1 + s_w)(1 + slip n_2) w_w + b_w + gyro n_3), and is
-carried by a disturbance's drift.
+carried by a disturbance's drift and by gusts.
 """
 
 import math
@@ -18,6 +18,7 @@ from formation.bodies.nominal import Nominal
 from formation.disturbances import Disturbance
 from formation.scenario.scenario import Scenario
 from world.bodies.draws import CONSTANT, MOTION, Draws, generator
+from world.bodies.gusts import Gusts
 from world.bodies.sensors import Measured, Sensors
 
 
@@ -57,11 +58,12 @@ class WheeledBodies:
         self._undisturbed = [1.0] * n, [math.inf] * n
         self._motion = Draws(scenario.seed, MOTION, n, 3)
         self._slipping = [[0.0, 0.0, 0.0] for _ in range(n)]
+        self._gusts = Gusts(scenario)
         self._sensors = Sensors(scenario, known)
         self._k = 0
         self.poses: FloatArray = scenario.start_poses()
         """(n, 3) true poses now, read-only [m, m, rad]."""
-        block = scenario.reference().block(0)
+        block = scenario.start
         at_start: list[list[float]] = block.inputs[0].tolist()
         self._wheels = at_start
         self._queue: deque[list[list[float]]] = deque(block.inputs[tick].tolist() for tick in range(known.delay))
@@ -91,6 +93,9 @@ class WheeledBodies:
             moved.append(unicycle.step(x, y, theta, v * drive[i], (omega + body.offset) * drive[i], self._dt))
             wheels.append(speeds)
         self._wheels = wheels
+        if self._gusts.blow:
+            gust = self._gusts.at(self._k)
+            drift = gust if drift is None else drift + gust
         poses = np.array(moved)
         self.poses = read_only(poses if drift is None else poses + self._dt * drift)
         self._k += 1

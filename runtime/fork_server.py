@@ -3,9 +3,13 @@
 Its imports take as long as the command's own (about a second), so it is started first: both go on side by side.
 """
 
+import contextlib
 import multiprocessing
 import multiprocessing.forkserver
+import multiprocessing.resource_tracker
 import os
+import signal
+from collections.abc import Iterator
 from multiprocessing.context import ForkServerContext
 
 from agents.kernels.jit_cache import compiled
@@ -22,6 +26,11 @@ process with two or three links is served faster by one thread per stage of Zeno
 environment readable from outside."""
 
 
+_BLOCKED = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT}
+"""Nothing but its launcher's end ends the fork server: no Ctrl-C, no closed terminal, which reach a whole
+group of processes. The processes of a run inherit this; runtime/supervisor.py unblocks what they heed."""
+
+
 def context() -> ForkServerContext:
     """What processes are made with, once `start` has started the fork server."""
     for variable, value in ENVIRONMENT.items():
@@ -31,11 +40,23 @@ def context() -> ForkServerContext:
     return found
 
 
+@contextlib.contextmanager
+def held_signals() -> Iterator[None]:
+    """What would end this process waits meanwhile."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def start() -> None:
     """Start the fork server if it does not run yet. It ends with this process."""
     context()
     with own_code():
-        multiprocessing.forkserver.ensure_running()
+        multiprocessing.resource_tracker.ensure_running()  # or it would unblock signals below
+        with held_signals():
+            multiprocessing.forkserver.ensure_running()
 
 
 def start_early() -> None:

@@ -63,7 +63,13 @@ class Claim:
         if len(os.fsencode(self.path / "router.sock")) > SOCKET_PATH_LIMIT:
             raise EchelonError(f"expected a shorter path for sockets than {self.path}; set {VARIABLE} to one")
         self._lock = self._take()
-        (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+        try:
+            (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+        except BaseException as error:
+            remove(self.path, self._lock)
+            if isinstance(error, OSError):
+                raise EchelonError(f"expected a place for runs; {self.path} cannot be used: {error.strerror}") from None
+            raise
 
     def _take(self) -> IO[bytes]:
         """The lock; a process that checks whether the run is live may hold it for a moment."""

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from multiprocessing.context import ForkServerContext
 
 from agents.kernels.jit_cache import compiled
+from runtime.open_files import allow_more
 from runtime.own_code import own_code
 
 _ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
@@ -35,6 +36,7 @@ def context() -> ForkServerContext:
     """What processes are made with, once `start` has started the fork server."""
     for variable, value in ENVIRONMENT.items():
         os.environ.setdefault(variable, value)
+    allow_more()
     found = multiprocessing.get_context("forkserver")
     found.set_forkserver_preload(["runtime.preload"])
     return found

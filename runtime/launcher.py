@@ -19,6 +19,7 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
+from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
@@ -83,7 +84,9 @@ class LiveRun:
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
-            self._supervisor.start(programs(self._plan, self._scenario))
+            wanted = programs(self._plan, self._scenario)
+            check_enough(len(wanted))
+            self._supervisor.start(wanted)
             self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
             self._session.appear("launcher")
@@ -98,21 +101,13 @@ class LiveRun:
         page = self._options.get("dashboard")
         address = Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
         self._claim = claim = Claim(self._name, page=address)
+        file = claim.path / "scenario.json"
+        file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
         if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
             # A pipe can be read once only, and nobody else needs the files that a scenario names.
-            file = claim.path / "scenario.json"
-            file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
             source, overrides = str(file), {}
-        return RunPlan(
-            self._name,
-            source,
-            claim.endpoint,
-            claim.endpoint,
-            overrides,
-            folder=str(claim.path),
-            code=packed(claim.path),
-            **self._options,
-        )
+        options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
+        return RunPlan(self._name, source, claim.endpoint, claim.endpoint, overrides, **options)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

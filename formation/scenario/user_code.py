@@ -22,7 +22,7 @@ class UserCode(Model):
     """The file without its folder, or the module, and the class: "mine.py:HoldSlot"."""
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
     """Of its text: who has another text has no part in the run."""
-    colour: Annotated[str, Field(pattern=r"^([0-9A-Fa-f]{6})?$")] = ""
+    colour: Annotated[str, Field(pattern=r"^[0-9A-Fa-f]{0,6}$")] = ""
     """Of a controller in figures, rrggbb; empty for a free one."""
     ages_plans: bool = True
     """Of a controller: whether received plans are rolled forward to now for it."""

@@ -1,6 +1,6 @@
-"""The messages between the processes of a run: frozen values with sender, seq and stamp (simulated time [s]).
+"""The messages between the processes of a run: frozen values with sender, seq and stamp, which is simulated time [s].
 
-`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes.
+`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes the messages.
 """
 
 from dataclasses import dataclass, field
@@ -34,6 +34,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
@@ -251,9 +252,8 @@ class Ghost:
     controller: Text
     poses: Poses
     distance_errors: Numbers
-    """(n,) l_e [m]."""
     angle_errors: Numbers
-    """(n,) psi_e [rad]."""
+    """As in State."""
     tracking_error: NonNegative
     """[m]."""
     __pydantic_config__ = STRICT
@@ -297,4 +297,4 @@ class Reply:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply

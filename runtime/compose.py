@@ -13,6 +13,8 @@ from runtime.user_code import NO_CODE, CodeArguments, mounted
 RUN = "echelon"
 ROUTER_PORT = 7447
 PAGE_PORT = 8090
+RECORDS = "/records"
+"""Where records are, in a volume of the same name; the image has the folder with the right owner."""
 
 _HEAD = """\
 # Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
@@ -37,7 +39,7 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE) -> RunPlan:
+def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, record: bool = False) -> RunPlan:
     """How a run of containers is put together."""
     return RunPlan(
         run=RUN,
@@ -49,16 +51,18 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE) -> 
         ghost=True,
         code=code,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
+        record=f"{RECORDS}/{scenario}.mcap" if record else None,
     )
 
 
-def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None) -> str:
+def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None, *, record: bool = False) -> str:
     """The text of a compose file that runs the scenario.
 
     Args:
         name: of a shipped scenario: the image holds no others.
         scenario: the same, loaded.
         overrides: what differs from it.
+        record: whether the run is recorded, in a volume.
 
     Raises:
         ScenarioError: its controller cannot run as processes.
@@ -67,8 +71,9 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(words=words, port=PAGE_PORT)
     code, mounts = mounted(LOADED.values())
-    listed = programs(plan(name, overrides or {}, code), scenario)
-    return head + "\n".join(_service(program, mounts) for program in listed)
+    listed = programs(plan(name, overrides or {}, code, record=record), scenario)
+    services = "\n".join(_service(program, mounts) for program in listed)
+    return head + services + ("\nvolumes:\n  records: {}\n" if record else "")
 
 
 def _service(program: Program, mounts: Mapping[str, str]) -> str:
@@ -95,6 +100,8 @@ def _service(program: Program, mounts: Mapping[str, str]) -> str:
         lines += ["    volumes:", *(f"      - {json.dumps(volume)}".replace("$", "$$") for volume in volumes)]
     if program.role != "router":
         lines += ["    depends_on: [router]"]
+    if program.role == "recorder":
+        lines += ["    volumes:", f'      - "records:{RECORDS}"']
     if program.role == "dashboard":
         lines += [
             "    environment:",

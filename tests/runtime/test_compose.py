@@ -177,3 +177,12 @@ def test_an_installed_module_is_refused_for_the_image_does_not_have_it(tmp_path:
     LOADED["controller", "X"] = Source("controller", "X", "package.module", "X", {}, "0" * 64)
     with pytest.raises(ScenarioError, match=r"expected FILE.py:CLASS.*got package.module:X"):
         compose_file(SCENARIO, load(SCENARIO))
+
+
+def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
+    text = compose_file(SCENARIO, load(SCENARIO), record=True)
+    found = parsed(text)
+    assert found["services"].keys() - services().keys() == {"recorder"}
+    assert found["services"]["recorder"]["volumes"] == ["records:/records"]
+    assert found["volumes"] == {"records": {}}
+    assert "mkdir /records && chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()

@@ -4,6 +4,8 @@ import argparse
 import errno
 import socket
 
+from setproctitle import setproctitle
+
 from cli.options import add_scenario, load, source, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
@@ -43,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
     token = access.given_token(options.token)
     if token is None and options.host not in access.LOOPBACK:
         token = access.new_token()
+    if options.token is not None:
+        setproctitle("echelon up")  # everybody on this machine can read command lines
     warn(scenario)
     name = options.run or free_name(scenario.name)
     with LiveRun(

@@ -64,7 +64,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         found.append(Program("ghost", 0, "runtime.ghost", common))
     if plan.dashboard is not None:
         host, port = plan.dashboard
-        where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
+        where = ("--host", host, "--port", str(port), *((f"--token={plan.token}",) if plan.token else ()))
         found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
     return found
 

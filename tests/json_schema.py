@@ -34,7 +34,8 @@ def accepts(schema: dict[str, Any], value: Any, whole: dict[str, Any] | None = N
 
 def _is(name: str, value: Any) -> bool:
     if name in ("number", "integer"):
-        return isinstance(value, int if name == "integer" else (int, float)) and not isinstance(value, bool)
+        whole = isinstance(value, int) or (isinstance(value, float) and value.is_integer())  # 1.0 too is an integer
+        return isinstance(value, int | float) and not isinstance(value, bool) and (whole or name == "number")
     return isinstance(value, TYPES[name])
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,40 @@ def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARI
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
     )
+
+
+def add_record(parser: argparse.ArgumentParser) -> None:
+    """Whether and where the run is recorded."""
+    parser.add_argument(
+        "--record",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="record the run in a new MCAP file; --record alone names it after scenario and time",
+    )
+    parser.add_argument(
+        "--detail", choices=["default", "full"], default="default", help="of the record; full: every plan and tick"
+    )
+
+
+def record_file(options: argparse.Namespace, name: str) -> Path | None:
+    """The file to record in, None for none.
+
+    Args:
+        options: of `add_record`.
+        name: of the scenario.
+
+    Raises:
+        EchelonError: the file exists, or its folder does not.
+    """
+    if options.record is None:
+        return None
+    file = Path(options.record or f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap").absolute()
+    if file.exists():
+        raise EchelonError(f"--record: expected the name of a new file; {file} exists")
+    if not file.parent.is_dir():
+        raise EchelonError(f"--record: expected a file in a folder that exists; got {file}")
+    return file
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:

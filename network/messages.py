@@ -1,7 +1,6 @@
-"""The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
+"""The messages between the processes of a run: frozen values with sender, seq and stamp, which is simulated time [s].
 
-`stamp` is simulated time [s]; `episode` changes with every reset, so that messages of an earlier episode are not taken
-for messages of this one. Robots are numbered from 1. network/codec.py encodes and decodes them.
+`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes the messages.
 """
 
 from dataclasses import dataclass, field
@@ -34,6 +33,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
@@ -249,9 +249,8 @@ class Ghost:
     controller: Text
     poses: Poses
     distance_errors: Numbers
-    """(n,) l_e [m]."""
     angle_errors: Numbers
-    """(n,) psi_e [rad]."""
+    """As in State."""
     tracking_error: NonNegative
     """[m]."""
     __pydantic_config__ = STRICT
@@ -294,4 +293,4 @@ class Reply:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply

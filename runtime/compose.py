@@ -11,6 +11,8 @@ from runtime.process_list import Program, RunPlan, programs
 RUN = "echelon"
 ROUTER_PORT = 7447
 PAGE_PORT = 8090
+RECORDS = "/records"
+"""Where records are, in a volume of the same name; the image has the folder with the right owner."""
 
 _HEAD = """\
 # Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
@@ -35,7 +37,7 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides) -> RunPlan:
+def plan(scenario: str, overrides: Overrides, *, record: bool = False) -> RunPlan:
     """How a run of containers is put together."""
     return RunPlan(
         run=RUN,
@@ -46,16 +48,18 @@ def plan(scenario: str, overrides: Overrides) -> RunPlan:
         endless=True,
         ghost=True,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
+        record=f"{RECORDS}/{scenario}.mcap" if record else None,
     )
 
 
-def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None) -> str:
+def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None, *, record: bool = False) -> str:
     """The text of a compose file that runs the scenario.
 
     Args:
         name: of a shipped scenario: the image holds no others.
         scenario: the same, loaded.
         overrides: what differs from it.
+        record: whether the run is recorded, in a volume.
 
     Raises:
         ScenarioError: its controller cannot run as processes.
@@ -63,7 +67,10 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     check_live(scenario.controller.name)
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(words=words, port=PAGE_PORT)
-    return head + "\n".join(_service(program) for program in programs(plan(name, overrides or {}), scenario))
+    services = "\n".join(
+        _service(program) for program in programs(plan(name, overrides or {}, record=record), scenario)
+    )
+    return head + services + ("\nvolumes:\n  records: {}\n" if record else "")
 
 
 def _service(program: Program) -> str:
@@ -85,6 +92,8 @@ def _service(program: Program) -> str:
         lines += ["    restart: on-failure"]
     if program.role != "router":
         lines += ["    depends_on: [router]"]
+    if program.role == "recorder":
+        lines += ["    volumes:", f'      - "records:{RECORDS}"']
     if program.role == "dashboard":
         lines += [
             "    environment:",

@@ -50,6 +50,10 @@ class RunPlan:
     """Folder whose scenarios the page offers besides the shipped ones."""
     ghost: bool = False
     """Whether the run has a ghost process, for comparisons with another controller."""
+    record: str | None = None
+    """File that the run is recorded in; None for a run without a recorder."""
+    detail: str = "default"
+    """Of the record."""
     token: str | None = None
     """Token that browsers must send; None on loopback."""
 
@@ -63,6 +67,8 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     world += [flag for flag, on in _flags(plan) if on]
     router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder else ())]
     found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]
+    if plan.record is not None:  # before the agents: what happens at once is to be in the record
+        found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))
     found += [agent(plan, number) for number in range(1, scenario.size + 1)]
     if plan.ghost:
         found.append(Program("ghost", 0, "runtime.ghost", common))

@@ -16,10 +16,11 @@ from formation.faults import Fault
 from formation.scenario.robots import Limits, Noise, StartNoise
 from network.fields import Count, Inputs, Numbers, Pose, Positive
 from network.messages import Message
+from network.stretch import Order
 from network.values import Driving, Event, LinkCounts
 from tests.strategies import of
 
-WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Fault]
+WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Order, Fault]
 MODELS = [Fault, Disturbance, Limits, Noise, StartNoise]
 
 

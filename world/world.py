@@ -59,10 +59,11 @@ class World:
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
-        self._reference = self.driver.reference if self.driver else scenario.reference()
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self._reference)
+        self.reference = self.driver.reference if self.driver else scenario.reference()
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
         if self.trace:
             self.trace.start(self.plant.poses)
+        self.inputs: FloatArray = np.zeros((scenario.size, 2))  # commanded over the tick before
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
@@ -123,7 +124,7 @@ class World:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
         held = set(self._commands.held)
-        inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
+        self.inputs = inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -258,7 +259,7 @@ class World:
         compare: str = "",
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
-        block = self._reference.block(self.k)
+        block = self.reference.block(self.k)
         row = self.k - block.first
         centre: FloatArray = block.centre[row, :3]
         poses = self.plant.poses

@@ -149,3 +149,12 @@ def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() ->
     folder = [line for line in lines[:compiling] if line.startswith("WORKDIR ")][-1]
     assert folder == "WORKDIR /tmp"
     assert lines[-1] == "USER 10001:10001"
+
+
+def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
+    text = compose_file(SCENARIO, load(SCENARIO), record=True)
+    found = parsed(text)
+    assert found["services"].keys() - services().keys() == {"recorder"}
+    assert found["services"]["recorder"]["volumes"] == ["records:/records"]
+    assert found["volumes"] == {"records": {}}
+    assert "mkdir /records && chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()

@@ -24,6 +24,7 @@ from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
+from runtime.user_code import packed
 
 WATCH_SECONDS = 0.05
 SUMMARY_SECONDS = 600.0
@@ -105,7 +106,7 @@ class LiveRun:
         if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
             # A pipe can be read once only, and nobody else needs the files that a scenario names.
             source, overrides = str(file), {}
-        options = {"folder": str(claim.path), "started": str(file), **self._options}
+        options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
         return RunPlan(self._name, source, claim.endpoint, claim.endpoint, overrides, **options)
 
     def __exit__(

@@ -11,8 +11,9 @@ from dashboard.requests import RequestQueue
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.templates import render
 from formation.scenario.files import shipped
-from formation.scenario.registry import LIVE, NAMES
+from formation.scenario.registry import CONTROLLERS, LIVE, NAMES
 from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
 from network.messages import State
 
@@ -36,11 +37,14 @@ class RunPanel:
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         self._requests = requests
         self._status = ""
+        self._offered = NAMES
+        """Controllers that can run the scenario."""
         self._summary = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", tuple(shipped())))
         self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
+        self._left_out = gui.add_html("")
         self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
@@ -93,11 +97,25 @@ class RunPanel:
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = icon
+        self._offer(snapshot)
         _show(self._scenario, state.scenario)
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
         _show(self._speed, _speed_name(state))
+
+    def _offer(self, snapshot: Snapshot) -> None:
+        """Offer the controllers that can run this scenario, and say why others are left out."""
+        scenario = snapshot.scenario
+        told = scenario is not None and scenario.path.known_to == "leader"
+        names = tuple(name for name in NAMES if not (told and CONTROLLERS[name].needs_path))
+        if names == self._offered:
+            return
+        self._offered = names
+        self._controller.control.options = tuple(name for name in LIVE if name in names)
+        self._compare.control.options = (NO_GHOST, *names)
+        missing = ", ".join(name for name in LIVE if name not in names)
+        set_if_changed(self._left_out, "content", render("panels/left_out.html", missing=missing) if missing else "")
 
 
 _LABELS = {

@@ -45,9 +45,11 @@ class DrivePanel:
                 "Click on the ground: go there", False, hint="On the page that has the wheel; the centre stops there"
             )
         self._wheel: Wheel | None = None
+        self._on_ground = self._clicked
+        self._listens = False
+        """Whether clicks anywhere in the scene are asked for: not while nobody can drive by them."""
         self._take.on_click(lambda event: self._toggle(event.client))
         self._buttons.on_click(lambda event: self._press(event.target.value, event.client_id))
-        server.scene.on_click()(self._clicked)
         server.on_client_disconnect(self._gone)
 
     # ------------------------------------------------------------------ the wheel
@@ -100,6 +102,13 @@ class DrivePanel:
         if math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) < FARTHEST:
             self._requests.steer(GoTo(x=x, y=y), event.client_id)
 
+    def _listen(self, *, on: bool) -> None:
+        if on and not self._listens:
+            self._server.scene.on_click()(self._on_ground)
+        elif self._listens and not on:
+            self._server.scene.remove_click_callback(self._on_ground)
+        self._listens = on
+
     def _taken_by_other(self, page: int) -> bool:
         return self._wheel is not None and self._wheel.page != page
 
@@ -113,6 +122,8 @@ class DrivePanel:
         set_if_changed(self._folder, "visible", driven is not None)
         if driven is None or state is None:
             self._release()
+        self._listen(on=self._wheel is not None and bool(self._click.value))
+        if driven is None or state is None:
             return
         page = self._wheel.page if self._wheel else None
         set_if_changed(self._take, "label", "Take the wheel" if page is None else f"Page {page} has the wheel")

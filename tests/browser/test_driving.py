@@ -78,6 +78,7 @@ def test_a_click_on_the_ground_drives_there(driven: tuple[BrowserRun, Driven]) -
     box = page.page.locator("canvas").first.bounding_box()
     assert box is not None
     before = run.state().driving.orders
+    page.page.wait_for_timeout(800)  # until the panel has asked for clicks
     page.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     page.until(lambda: run.state().driving.orders > before, "way to the point")
     page.until(lambda: run.state().driving.goal is None, "arrival", 40.0)

@@ -14,6 +14,7 @@ from dashboard.panels.wheel import Wheel
 from dashboard.requests import RequestQueue
 from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme.templates import render
+from formation.link_ids import DRIVING
 from formation.scenario.scenario import Scenario
 from network.control import Drive, GoTo
 
@@ -127,13 +128,20 @@ class DrivePanel:
             return
         page = self._wheel.page if self._wheel else None
         set_if_changed(self._take, "label", "Take the wheel" if page is None else f"Page {page} has the wheel")
-        ages = {robot: status.way_age for robot, status in sorted(snapshot.statuses.items())}
+        ages = _ages(snapshot)
         shown = render("panels/driving.html", driving=state.driving, law=driven.law, page=page, ages=ages)
         set_if_changed(self._shown, "content", shown)
 
 
 FARTHEST = 1e6
 """A click farther away is none on the ground [m]."""
+
+
+def _ages(snapshot: Snapshot) -> dict[int, float]:
+    """By robot, how long ago the driver said what it knows [s]: robot 1's age, and since robot 1 told it."""
+    told = {robot: status.way_age for robot, status in sorted(snapshot.statuses.items())}
+    first = told.get(DRIVING.receiver, 0.0)
+    return {robot: age + (first if robot != DRIVING.receiver else 0.0) for robot, age in told.items()}
 
 
 def _share(percent: object) -> float:

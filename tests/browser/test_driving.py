@@ -25,6 +25,12 @@ def driven(browser: "Browser") -> Iterator[tuple[BrowserRun, Driven]]:
         page.page.close()
 
 
+def has_the_wheel(page: Driven) -> None:
+    """Wait until the page listens to its keys."""
+    page.wait_text("W A S D or arrow keys on page")
+    page.page.wait_for_function("() => Boolean(window.__echelonWheel)", timeout=20_000, polling=100)
+
+
 def test_keys_drive_while_they_are_held_and_only_where_the_wheel_is(
     driven: tuple[BrowserRun, Driven], browser: "Browser"
 ) -> None:
@@ -34,7 +40,7 @@ def test_keys_drive_while_they_are_held_and_only_where_the_wheel_is(
     page.page.wait_for_timeout(500)
     assert run.state().driving.orders == 0
     page.press("Take the wheel")
-    page.wait_text("W A S D or arrow keys on page")
+    has_the_wheel(page)
     page.page.keyboard.down("w")
     page.page.keyboard.down("ArrowLeft")
     page.until(lambda: (d := run.state().driving).v > 0.0 and d.omega > 0.0, "order of two keys")
@@ -59,10 +65,7 @@ def test_a_page_that_is_closed_while_a_key_is_held_stops_the_formation(
     run, page = driven
     other = Driven(browser, run.url)
     other.page.get_by_role("button", name="has the wheel").evaluate("element => element.click()")
-    other.page.wait_for_timeout(600)
-    other.page.get_by_role("button", name="Take the wheel").evaluate("element => element.click()")
-    other.wait_text("W A S D or arrow keys on page")
-    other.page.wait_for_timeout(300)
+    has_the_wheel(other)
     other.page.keyboard.down("s")
     other.until(lambda: run.state().driving.v < 0.0, "order")
     other.page.close()
@@ -73,7 +76,7 @@ def test_a_page_that_is_closed_while_a_key_is_held_stops_the_formation(
 def test_a_click_on_the_ground_drives_there(driven: tuple[BrowserRun, Driven]) -> None:
     run, page = driven
     page.press("Take the wheel")
-    page.wait_text("W A S D or arrow keys on page")
+    has_the_wheel(page)
     page.tick("Click on the ground: go there", True)
     box = page.page.locator("canvas").first.bounding_box()
     assert box is not None

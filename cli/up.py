@@ -3,6 +3,7 @@
 import argparse
 import errno
 import socket
+from pathlib import Path
 
 from cli.options import add_scenario, load, source, tell, warn
 from dashboard.serving import access
@@ -58,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
         paused=options.paused,
         endless=True,
         ghost=True,
+        scenarios=str(Path.cwd()),
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
         shown = 0

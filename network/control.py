@@ -75,7 +75,9 @@ class UseScenario(_Operation):
     """Switch to another scenario."""
 
     scenario: str
-    """A shipped name."""
+    """A shipped name; of a `table` its own."""
+    table: dict[str, Any] | None = None
+    """The scenario itself instead, checked as a file is; it may name no files."""
     overrides: dict[str, Any] = Field(default_factory=dict)
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 

@@ -5,6 +5,7 @@ from time import perf_counter
 from typing import Any
 
 from agents.agent import Agent
+from agents.controllers.interface import Team
 from agents.controllers.registry import team_for
 from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
@@ -18,15 +19,16 @@ PROGRESS_TICKS = 50
 class Simulation:
     """An episode of the scenario, tick by tick."""
 
-    def __init__(self, scenario: Scenario, *, endless: bool = False) -> None:
+    def __init__(self, scenario: Scenario, *, endless: bool = False, team: Team | None = None) -> None:
         """World and agents at t = 0.
 
         Args:
             scenario: what to simulate.
             endless: continue past the duration, if the path is closed; then no trace is kept.
+            team: plans for all robots at once, instead of the scenario's controller.
         """
         self.world = World(scenario, endless=endless)
-        self._team = team_for(scenario)
+        self._team = team or team_for(scenario)
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
         self._both = any(len(agent.hears) > 1 for agent in self.agents.values())

@@ -44,6 +44,10 @@ class RunPlan:
     """The run's private folder, which the router removes if no launcher is left to do it."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
+    started: str | None = None
+    """File of the scenario that the run was started with, for the page."""
+    scenarios: str | None = None
+    """Folder whose scenarios the page offers besides the shipped ones."""
     ghost: bool = False
     """Whether the run has a ghost process, for comparisons with another controller."""
     token: str | None = None
@@ -65,7 +69,9 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     if plan.dashboard is not None:
         host, port = plan.dashboard
         where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
-        found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
+        offered = (("--started", plan.started), ("--scenarios", plan.scenarios))
+        more = [word for flag, value in offered if value for word in (flag, value)]
+        found.append(Program("dashboard", 0, "dashboard", (*common, *where, *more)))
     return found
 
 

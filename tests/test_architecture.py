@@ -81,7 +81,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"theme"},
         {"scene"},
         {"export", "notices"},
-        {"requests"},
+        {"requests", "scenario_list"},
         {"panels"},
         {"serving"},
         {"page"},

@@ -1,5 +1,6 @@
 """The run panel: summary, start, pause, step, reset, scenario, controller, speed. Labels show the world's state."""
 
+from time import monotonic
 from typing import Any
 
 import viser
@@ -8,13 +9,14 @@ from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
 from dashboard.panels.run_summary import run_summary
 from dashboard.requests import RequestQueue
+from dashboard.scenario_list import ScenarioList
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme.templates import render
-from formation.scenario.files import shipped
+from formation.errors import ScenarioError
 from formation.scenario.registry import CONTROLLERS, LIVE, NAMES
-from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
+from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController
 from network.messages import State
 
 SPEEDS = {
@@ -28,21 +30,25 @@ SPEEDS = {
 }
 STEP_TICKS = 10
 NO_GHOST = "nothing"
+SCENARIO_HINT = "The run's own, the shipped ones, and the TOML files of the folder that the run was started from"
+REFRESH_SECONDS = 5.0
+"""Between two looks at that folder."""
 COMPARE_HINT = "Simulates this controller beside the run, as a ghost with the very same faults"
 
 
 class RunPanel:
     """Controls of the run, in the current container of the page."""
 
-    def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
-        self._requests = requests
+    def __init__(self, gui: viser.GuiApi, requests: RequestQueue, scenarios: ScenarioList) -> None:
+        self._requests, self._scenarios = requests, scenarios
+        self._refreshed = monotonic()
         self._status = ""
         self._offered = NAMES
         """Controllers that can run the scenario."""
         self._summary = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
-        self._scenario = MirroredControl(gui.add_dropdown("Scenario", tuple(shipped())))
+        self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
         self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
         self._left_out = gui.add_html("")
         self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
@@ -50,7 +56,7 @@ class RunPanel:
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
-        self._scenario.control.on_update(lambda event: self._choose(event, lambda name: UseScenario(scenario=name)))
+        self._scenario.control.on_update(lambda event: self._choose(event, scenarios.operation))
         self._controller.control.on_update(
             lambda event: self._choose(event, lambda name: UseController(controller=name))
         )
@@ -81,8 +87,14 @@ class RunPanel:
 
     def _choose(self, event: viser.GuiEvent[Any], operation: Any) -> None:
         # A page may send anything; a scenario by its path must not be read for it.
-        if event.client_id is not None and event.target.value in event.target.options:
-            self._requests.ask(operation(event.target.value), event.client_id)
+        if event.client_id is None or event.target.value not in event.target.options:
+            return
+        try:
+            asked = operation(event.target.value)
+        except ScenarioError as error:
+            self._requests.refuse("Not done", str(error), event.client_id)
+        else:
+            self._requests.ask(asked, event.client_id)
 
     # ------------------------------------------------------------------ from the world to the panel
 
@@ -98,7 +110,7 @@ class RunPanel:
             self._toggle.label = label
             self._toggle.icon = icon
         self._offer(snapshot)
-        _show(self._scenario, state.scenario)
+        self._show_scenario(snapshot, state)
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
@@ -116,6 +128,15 @@ class RunPanel:
         self._compare.control.options = (NO_GHOST, *names)
         missing = ", ".join(name for name in LIVE if name not in names)
         set_if_changed(self._left_out, "content", render("panels/left_out.html", missing=missing) if missing else "")
+
+    def _show_scenario(self, snapshot: Snapshot, state: State) -> None:
+        if monotonic() - self._refreshed >= REFRESH_SECONDS:
+            self._refreshed = monotonic()
+            self._scenarios.refresh()
+        label = self._scenarios.label_of(snapshot.scenario, state.scenario)
+        labels = self._scenarios.labels
+        set_if_changed(self._scenario.control, "options", labels if label in labels else (*labels, label))
+        self._scenario.show(label)
 
 
 _LABELS = {

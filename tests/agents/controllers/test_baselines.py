@@ -22,6 +22,7 @@ from agents.kernels.lq import cost, optimise
 from agents.kernels.pair_cost import cost as pair_cost
 from agents.kernels.pair_cost import ring_weights
 from dashboard.panels.run import RunPanel
+from dashboard.scenario_list import ScenarioList
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
 from formation.pattern import upstream
@@ -442,6 +443,6 @@ def test_a_live_world_refuses_it_and_goes_on_as_before() -> None:
 
 def test_the_page_does_not_offer_it() -> None:
     gui = MagicMock()
-    RunPanel(gui, MagicMock())
+    RunPanel(gui, MagicMock(), ScenarioList())
     offered = {call.args[0]: call.args[1] for call in gui.add_dropdown.call_args_list}
     assert set(offered["Controller"]) == set(NAMES) - {"centralised"}

@@ -22,14 +22,15 @@ from network.messages import Message, Request
 
 LEASE_MS = 1000
 """Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
-CONNECT_MS = 10_000
+CONNECT_SECONDS = 10.0
+"""Longest wait for a router that is just starting, or coming back [s]."""
 CLOSE_SECONDS = 2.0
 """Time limit for closing a session [s]; on a dead link it would take ten seconds."""
 REQUEST_SECONDS = 1.0
 """A request that is not answered for this long never is [s]."""
 
 
-def config(*, endpoint: str, router: bool) -> zenoh.Config:
+def config(*, endpoint: str, router: bool, patience: float = CONNECT_SECONDS) -> zenoh.Config:
     """Configuration of a session with the router only: no scouting, no other listeners, no shared memory."""
     settings: dict[str, Any] = {
         "mode": "router" if router else "client",
@@ -42,7 +43,7 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
         settings["listen"] = {"endpoints": []}
         settings["connect"] = {
             "endpoints": [endpoint],
-            "timeout_ms": CONNECT_MS,
+            "timeout_ms": round(patience * 1e3),
             "exit_on_failure": True,
             "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
         }
@@ -52,8 +53,8 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
 class ZenohBus(Bus):
     """A client of the run's router."""
 
-    def __init__(self, endpoint: str, run: str) -> None:
-        """Connect; waits some seconds for the router.
+    def __init__(self, endpoint: str, run: str, *, patience: float = CONNECT_SECONDS) -> None:
+        """Connect; waits at most so long for the router [s].
 
         Raises:
             EchelonError: the router cannot be reached.
@@ -64,7 +65,7 @@ class ZenohBus(Bus):
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._declared: list[object] = []
         try:
-            self._session = zenoh.open(config(endpoint=endpoint, router=False))
+            self._session = zenoh.open(config(endpoint=endpoint, router=False, patience=patience))
         except zenoh.ZError:
             raise EchelonError(f"expected a router at {endpoint}; nobody answers there") from None
 

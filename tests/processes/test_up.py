@@ -191,3 +191,12 @@ def test_a_formation_is_driven_by_commands_and_refuses_what_makes_no_sense(up: S
     echelon("control", "scenario", "circle")
     assert "drive-me" in echelon("control", "goto", "1", "1", check=2).stderr
     run.end()
+
+
+def test_a_token_may_begin_with_a_dash_and_is_in_no_list_of_processes(up: Start, runs: Path) -> None:
+    token = "-" + "a" * 20
+    run = up("triangle-circle", "--port", "0", "--host", "0.0.0.0", f"--token={token}")
+    wait_for(lambda: re.search(r"dashboard: http://\S+token=-aaa", run.text()))
+    assert not [process for process in processes(runs) if token in " ".join(process.cmdline())]
+    assert run.end() == 0
+    assert "Traceback" not in run.text()

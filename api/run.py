@@ -25,6 +25,8 @@ from runtime.run_registry import free_name
 
 LOOPBACK = "127.0.0.1"
 ANSWER_SECONDS = 10.0
+START_SECONDS = 60.0
+"""Longest wait for the world's first state [s]."""
 
 
 class Run:
@@ -41,6 +43,18 @@ class Run:
         self._thread = threading.Thread(target=self._watch, name=f"run {name}", daemon=True)
         self._thread.start()
         atexit.register(self.close)
+        try:
+            self._begin()
+        except BaseException:
+            self.close()
+            raise
+
+    def _begin(self) -> None:
+        """Wait for the world: it answers from its first state on."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: self.state is not None or self._error, START_SECONDS) or self._error:
+                reason = self._error or f"it is silent for {START_SECONDS:g} s"
+                raise EchelonError(f"run {self.name}: expected its world to begin; {reason}")
 
     def _watch(self) -> None:
         try:
@@ -203,11 +217,7 @@ def launch(
         ghost=page,
     )
     live.__enter__()
-    try:
-        return Run(live, whole, name)
-    except BaseException:
-        live.__exit__(None, None, None)
-        raise
+    return Run(live, whole, name)
 
 
 def _free_port() -> int:

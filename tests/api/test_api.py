@@ -113,8 +113,8 @@ def test_an_error_knows_its_key_and_what_there_is(overrides: Any, path: str, cho
     assert choice in caught.value.choices if choice else not caught.value.choices
 
 
-def test_a_class_in_a_file_is_a_controller_and_one_elsewhere_is_refused(tmp_path: Path) -> None:
-    made = type("Made", (), {})
+def test_a_class_that_is_in_no_file_is_refused() -> None:
+    made = type("Made", (), {"__module__": "builtins"})
     with pytest.raises(echelon.ScenarioError, match="expected a class in a file"):
         echelon.load("circle", controller=made)
 

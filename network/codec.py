@@ -16,6 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from formation.errors import WireError
 from formation.faults import Fault
 from formation.link_ids import LinkId
+from formation.scenario.user_code import UserCode
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
 from network.stretch import Order
@@ -68,6 +69,8 @@ def _plain(value: object) -> object:
         return str(value)
     if isinstance(value, Fault):
         return value.plain()
+    if isinstance(value, UserCode):
+        return value.model_dump()
     if isinstance(value, tuple):
         return list(value)
     if isinstance(value, float):  # numpy's

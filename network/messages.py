@@ -8,6 +8,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from formation.scenario.user_code import UserCode
 from network import values
 from network.fields import (
     STRICT,
@@ -144,6 +145,8 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
+    failure: Text = ""
+    """Of a user's own controller that has failed in this episode: what and where; v and omega are 0 then."""
     __pydantic_config__ = STRICT
 
 
@@ -270,6 +273,7 @@ class Setup:
     mode: Mode
     faults: dict[Link, Fault]
     """As in State."""
+    user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 
 

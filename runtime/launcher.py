@@ -24,6 +24,7 @@ from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
+from runtime.user_code import packed
 
 WATCH_SECONDS = 0.05
 SUMMARY_SECONDS = 600.0
@@ -105,7 +106,7 @@ class LiveRun:
         if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
             # A pipe can be read once only, and nobody else needs the files that a scenario names.
             source, overrides = str(file), {}
-        options = {"folder": str(claim.path), "started": str(file), **self._options}
+        options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
         return RunPlan(self._name, source, claim.endpoint, claim.endpoint, overrides, **options)
 
     def __exit__(
@@ -139,9 +140,12 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            self._supervisor.keep_down(self._state.dismissed)
+            robots = set(range(1, min(len(self._state.poses), MAX_ROBOTS) + 1))
+            self._supervisor.keep_down(self._state.dismissed, "killed, as asked")
+            surplus = self._supervisor.numbers - robots
+            self._supervisor.keep_down(surplus, f"ended: the scenario has {len(robots)} robots")
             absent = set(self._state.waiting_for) - set(self._state.dismissed)
-            missing = absent & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
+            missing = absent & robots - self._supervisor.numbers
             self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
         return True
 

@@ -33,7 +33,7 @@ MAX_MODULES = 20
 INSIDE: dict[str, list[set[str]]] = {
     "formation": [
         {"arrays", "errors", "units", "unicycle"},
-        {"pattern", "validation"},
+        {"pattern", "validation", "loading"},
         {"shapes", "schema", "metrics"},
         {"link_ids"},
         {"formation_spec", "faults", "disturbances", "paths", "bodies"},

@@ -7,7 +7,7 @@ from formation.errors import EchelonError, ScenarioError, unknown
 from formation.faults import preset
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load, parse, shipped
-from formation.scenario.registry import check_live
+from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
@@ -99,7 +99,7 @@ class RunControl:
                     self._presence.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
-                self.compare = "" if name == "off" else name
+                self.compare = "" if name == "off" else check_name(name, "off")
             case control.Drive(v=v, omega=omega, seconds=seconds):
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):

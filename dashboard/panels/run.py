@@ -14,7 +14,7 @@ from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
 from formation.errors import ScenarioError
-from formation.scenario.registry import LIVE, NAMES
+from formation.scenario.registry import live, names
 from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController
 from network.messages import State
 
@@ -46,8 +46,8 @@ class RunPanel:
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
-        self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
-        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
+        self._controller = MirroredControl(gui.add_dropdown("Controller", live()))
+        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *names()), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
@@ -106,6 +106,8 @@ class RunPanel:
             self._toggle.label = label
             self._toggle.icon = icon
         self._show_scenario(snapshot, state)
+        _offer(self._controller, live())
+        _offer(self._compare, names())
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
@@ -142,8 +144,14 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
+def _offer(dropdown: MirroredControl, values: tuple[str, ...]) -> None:
+    """Add what the dropdown does not offer yet: controllers of the run's users own."""
+    more = tuple(value for value in values if value not in dropdown.control.options)
+    if more:
+        dropdown.control.options = (*dropdown.control.options, *more)
+
+
 def _show(dropdown: MirroredControl, value: str) -> None:
     """Show the world's value, also if the dropdown does not offer it."""
-    if value not in dropdown.control.options:
-        dropdown.control.options = (*dropdown.control.options, value)
+    _offer(dropdown, (value,))
     dropdown.show(value)

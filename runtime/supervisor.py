@@ -13,6 +13,7 @@ from time import monotonic
 from setproctitle import setproctitle
 
 from formation.errors import EchelonError
+from network.lifetime import TERMINATED
 from runtime import fork_server
 from runtime.process_list import Program
 
@@ -85,7 +86,7 @@ class Supervisor:
             for program, process in list(self._running.items()):
                 if process.exitcode is not None:
                     del self._running[program]
-                    if program.role == "world" and process.exitcode >= 0:
+                    if program.role == "world" and process.exitcode >= 0 and process.exitcode != TERMINATED:
                         return process.exitcode
                     self._bury(program, process.exitcode)
             if monotonic() >= until:

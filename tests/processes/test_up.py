@@ -233,3 +233,13 @@ def test_a_forged_state_costs_seconds_and_no_agent_is_left_over(up: Start, runs:
     assert len(agents()) == 3
     assert "\x1b" not in run.text()
     assert run.end() == 0
+
+
+def test_a_world_that_is_terminated_from_outside_is_started_again(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.running()
+    pid = run.pid("world")
+    os.kill(pid, signal.SIGTERM)
+    wait_for(lambda: run.pid("world") != pid and run.status().get("live") == [1, 2, 3])
+    assert run.process.poll() is None
+    assert run.end() == 0

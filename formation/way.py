@@ -83,13 +83,23 @@ class HeardReference:
         """Nothing is known: the robot begins in the middle of an episode."""
         self.known = False
 
-    def hear(self, preview: FloatArray, k: int) -> bool:
-        """Take a preview, if it is newer than what is known; from tick k on it counts. Returns whether it did."""
+    def hear(self, preview: FloatArray, k: int, late: int = 0) -> bool:
+        """Take a preview at tick k, if it is newer than what is known.
+
+        Args:
+            preview: (m, 6) that was heard.
+            k: when the next command acts.
+            late: ticks that the robot's reference time is behind; from k - late on the preview counts.
+
+        Returns:
+            Whether it was taken.
+        """
         if preview.shape != self.newest.shape or preview[0, TICK] <= self.newest[0, TICK]:
             return False
         steps = preview[1:, TICK] - preview[:-1, TICK]
         if np.any(steps != self._stride) or not 0 <= preview[0, TICK] <= k:
             return False
+        k = max(k - late, int(preview[0, TICK])) if late else k
         if k > self._filled:
             self._fill(self._filled, k)
         whole, old_end = self.known and not self._returning, self.end

@@ -17,7 +17,7 @@ import zenoh
 from formation.errors import EchelonError
 from network import topics
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
-from network.codec import encode
+from network.codec import MAX_BYTES, encode
 from network.messages import Message, Request
 
 LEASE_MS = 1000
@@ -77,11 +77,11 @@ class ZenohBus(Bus):
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
-                self.inbox.put(Sample(str(sample.key_expr), sample.payload.to_bytes()))
+                self.inbox.put(Sample(str(sample.key_expr), _bytes(sample.payload)))
         else:
 
             def take(sample: zenoh.Sample) -> None:
-                self.inbox.put(Sample(key, sample.payload.to_bytes()))
+                self.inbox.put(Sample(key, _bytes(sample.payload)))
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
@@ -108,14 +108,14 @@ class ZenohBus(Bus):
                 with query:
                     query.reply(key, payload)
 
-            self.inbox.put(Query(query.payload.to_bytes() if query.payload else b"", answer))
+            self.inbox.put(Query(_bytes(query.payload) if query.payload else b"", answer))
 
         self._declared.append(self._session.declare_queryable(key, zenoh.handlers.Callback(take, indirect=False)))
 
     def request(self, message: Request) -> None:
         def take(reply: zenoh.Reply) -> None:
             if reply.ok:
-                self.inbox.put(Response(message, bytes(reply.ok.payload.to_bytes())))
+                self.inbox.put(Response(message, _bytes(reply.ok.payload)))
 
         self._session.get(
             topics.control(self.run),
@@ -127,7 +127,7 @@ class ZenohBus(Bus):
     def fetch(self, message: Request, timeout: float) -> bytes | None:
         for reply in self._session.get(topics.control(self.run), payload=encode(message), timeout=timeout):
             if reply.ok:
-                return bytes(reply.ok.payload.to_bytes())
+                return _bytes(reply.ok.payload)
         return None
 
     def appear(self, role: str, number: int = 0) -> None:
@@ -164,7 +164,7 @@ class KeptSamples:
     def take(self) -> Iterator[Sample]:
         """Everything that has come in since the last look, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
-            yield Sample(str(sample.key_expr), sample.payload.to_bytes())
+            yield Sample(str(sample.key_expr), _bytes(sample.payload))
 
 
 class Router:
@@ -185,6 +185,11 @@ class Router:
     def close(self) -> None:
         """Stop listening."""
         _close(self._session)
+
+
+def _bytes(payload: zenoh.ZBytes) -> bytes:
+    """What came in; nothing, which is no message, of what is too large for one: it is not even copied."""
+    return bytes(payload.to_bytes()) if len(payload) <= MAX_BYTES else b""
 
 
 def _close(session: zenoh.Session) -> None:

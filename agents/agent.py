@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.controllers.guarded import ControllerFailedError
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
@@ -72,6 +73,10 @@ class Agent:
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
+        self._failure = ""
+        """Of a user's own controller, once it has failed: until a reset the robot stands, and publishes no plan."""
+        self.observation: Observation | None = None
+        """What the controller was asked with last."""
         self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
@@ -132,19 +137,31 @@ class Agent:
                 self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
+        if self._failure:
+            return self._stand(k, stamp, age)
         plan, solve = None, 0.0
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
-                return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-            plan = self._sending.offer(self._plan(k, stamp, own))
+                return self._stand(k, stamp, age)
+            try:
+                plan = self._sending.offer(self._plan(k, stamp, own))
+            except ControllerFailedError as error:
+                self._failure = str(error)
+                return self._stand(k, stamp, age)
             solve = perf_counter() - began
             self._solves.append(solve)
         v, omega = self._input(k)
         self._motors.command(k, v, omega)
         return Answer(
             Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
+        )
+
+    def _stand(self, k: int, stamp: float, age: float) -> Answer:
+        """Command zero, and publish nothing."""
+        return Answer(
+            Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure), None
         )
 
     def _measure(self, tick: Tick) -> None:
@@ -182,7 +199,7 @@ class Agent:
         other = None
         if len(self._receivers) > 1:
             other = self._receivers[1].belief.aged(begins, *task.slot(at, 3))
-        observation = Observation(
+        observation = self.observation = Observation(
             at,
             own.pose,
             self._sighted(aged),

@@ -2,12 +2,11 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import ConfigDict, Field, FiniteFloat, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
-from formation.scenario.registry import check_name
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
 from network.fields import Link
@@ -15,6 +14,8 @@ from network.messages import Request
 
 MAX_SECONDS, FARTHEST = 1e6, 1e6
 """Of an order [s], and of a goal [m]."""
+TRACE_ROWS = 64_000
+"""Rows of one robot's trace in one reply, at most: 3 MB."""
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
@@ -103,8 +104,8 @@ class Restart(_Operation):
 class Compare(_Operation):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
-    controller: Annotated[str, AfterValidator(lambda name: check_name(name, "off"))]
-    """A name, or "off"."""
+    controller: str
+    """A name that the world knows, or "off"."""
 
 
 class Stop(_Operation):
@@ -157,6 +158,13 @@ class Orders(_Operation):
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
 
 
+class GetTrace(_Operation):
+    """The reply's value holds rows of the episode's trace as bytes of float64: poses, inputs, ages; and `ticks`."""
+
+    first: Annotated[int, Field(ge=0)] = 0
+    """Tick from which on rows are wanted; a reply has TRACE_ROWS of them at most, divided by the number of robots."""
+
+
 class GetSummary(_Operation):
     """The reply's value is the summary of the episode."""
 
@@ -183,6 +191,7 @@ Operation = (
     | GoTo
     | GetOrders
     | GetSummary
+    | GetTrace
 )
 OPERATIONS: dict[str, type[Operation]] = {
     "start": Start,
@@ -204,6 +213,7 @@ OPERATIONS: dict[str, type[Operation]] = {
     "goto": GoTo,
     "orders": GetOrders,
     "summary": GetSummary,
+    "trace": GetTrace,
 }
 _NAMES = {model: name for name, model in OPERATIONS.items()}
 

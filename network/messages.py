@@ -1,7 +1,6 @@
-"""The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
+"""The messages between the processes of a run: frozen values with sender, seq and stamp, which is simulated time [s].
 
-`stamp` is simulated time [s]; `episode` changes with every reset, so that messages of an earlier episode are not taken
-for messages of this one. Robots are numbered from 1. network/codec.py encodes and decodes them.
+`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes the messages.
 """
 
 from dataclasses import dataclass, field
@@ -9,6 +8,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from formation.scenario.user_code import UserCode
 from network import values
 from network.fields import (
     STRICT,
@@ -34,6 +34,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
@@ -144,6 +145,8 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
+    failure: Text = ""
+    """Of a user's own controller that has failed in this episode: what and where; v and omega are 0 then."""
     __pydantic_config__ = STRICT
 
 
@@ -249,9 +252,8 @@ class Ghost:
     controller: Text
     poses: Poses
     distance_errors: Numbers
-    """(n,) l_e [m]."""
     angle_errors: Numbers
-    """(n,) psi_e [rad]."""
+    """As in State."""
     tracking_error: NonNegative
     """[m]."""
     __pydantic_config__ = STRICT
@@ -271,6 +273,7 @@ class Setup:
     mode: Mode
     faults: dict[Link, Fault]
     """As in State."""
+    user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 
 
@@ -294,4 +297,4 @@ class Reply:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply

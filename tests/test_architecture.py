@@ -14,14 +14,16 @@ ALLOWED = {
     "network": {"formation"},
     "agents": {"formation", "network"},
     "world": {"formation", "network"},
+    "records": {"formation", "network"},
     "dashboard": {"formation", "network"},
-    "runtime": {"formation", "network", "agents", "world", "dashboard"},
-    "experiments": {"formation", "network", "agents", "world", "dashboard", "runtime"},
-    "cli": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
+    "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
+    "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
+    "api": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
+    "cli": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
-DATA = {"scenarios", "studies"}
+DATA = {"scenarios", "studies", "echelon.py", "echelon-stubs"}
 """Installed with the rooms, but not code of theirs."""
 FILES = sorted(file for room in ROOMS for file in (ROOT / room).rglob("*.py"))
 MAX_LINES = 300
@@ -32,7 +34,7 @@ MAX_MODULES = 20
 INSIDE: dict[str, list[set[str]]] = {
     "formation": [
         {"arrays", "errors", "units", "unicycle"},
-        {"pattern", "validation"},
+        {"pattern", "validation", "loading"},
         {"shapes", "schema", "metrics"},
         {"link_ids"},
         {"formation_spec", "faults", "disturbances", "paths", "bodies"},
@@ -48,6 +50,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "network": [
         {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
+        {"stretch"},
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},
@@ -69,10 +72,18 @@ INSIDE: dict[str, list[set[str]]] = {
         {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
         {"trace", "rate"},
         {"world"},
-        {"presence"},
+        {"presence", "journal", "samples"},
         {"run_control"},
         {"requests"},
         {"node"},
+        {"process"},
+        {"__main__"},
+    ],
+    "records": [
+        {"cdr", "definitions"},
+        {"messages", "file", "scanning"},
+        {"recorder", "repair", "record"},
+        {"export"},
         {"process"},
         {"__main__"},
     ],
@@ -100,13 +111,16 @@ CLOCKS = {
     "network/bus.py",
     "network/lifetime.py",
     "network/throttled_log.py",
+    "records/process.py",
     "runtime",
     "world/process.py",
 }
 """Who may read the wall clock: processes, and what paces or watches them. Everything else decides without it."""
 CLOCK_FREE_RUNTIME = {"runtime/inprocess.py", "runtime/ghost/node.py", "runtime/ghost/shadow.py"}
 """Of the room that starts processes, the part that simulates without any."""
-MEASURES_SOLVES = {"agents/agent.py": {"perf_counter"}, "runtime/inprocess.py": {"perf_counter"}}
+MEASURES_SOLVES = {
+    place: {"perf_counter"} for place in ("agents/agent.py", "api/simulation.py", "runtime/inprocess.py")
+}
 """How long something took may be measured; it decides nothing."""
 
 
@@ -187,6 +201,11 @@ def test_no_other_folder_holds_code_of_the_product() -> None:
 
 def test_zenoh_is_imported_in_one_module_of_network() -> None:
     assert importers("zenoh") == {"network/zenoh_bus.py"}
+
+
+def test_mcap_is_imported_in_records_only() -> None:
+    files = importers("mcap")
+    assert {file.split("/")[0] for file in files} == {"records"}
 
 
 def test_viser_is_imported_in_dashboard_only() -> None:

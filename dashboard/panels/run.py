@@ -13,8 +13,9 @@ from dashboard.scenario_list import ScenarioList
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.templates import render
 from formation.errors import ScenarioError
-from formation.scenario.registry import LIVE, NAMES
+from formation.scenario.registry import live, names, told
 from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController
 from network.messages import State
 
@@ -46,8 +47,9 @@ class RunPanel:
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
-        self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
-        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
+        self._controller = MirroredControl(gui.add_dropdown("Controller", live()))
+        self._left_out = gui.add_html("")
+        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *names()), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
@@ -106,10 +108,21 @@ class RunPanel:
             self._toggle.label = label
             self._toggle.icon = icon
         self._show_scenario(snapshot, state)
+        self._offer_controllers(snapshot, state)
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
         _show(self._speed, _speed_name(state))
+
+    def _offer_controllers(self, snapshot: Snapshot, state: State) -> None:
+        """Offer the controllers that can run this scenario, and say why others are left out."""
+        scenario = snapshot.scenario
+        fits = told() if scenario is not None and scenario.path.known_to == "leader" else names()
+        lives = tuple(name for name in live() if name in fits)
+        _offer_only(self._controller, lives, state.controller)
+        _offer_only(self._compare, (NO_GHOST, *fits), state.compare or NO_GHOST)
+        missing = ", ".join(name for name in live() if name not in fits)
+        set_if_changed(self._left_out, "content", render("panels/left_out.html", missing=missing) if missing else "")
 
     def _show_scenario(self, snapshot: Snapshot, state: State) -> None:
         if monotonic() - self._refreshed >= REFRESH_SECONDS:
@@ -140,6 +153,11 @@ def _speed(name: str) -> float:
 def _speed_name(state: State) -> str:
     names = [name for name, speed in SPEEDS.items() if abs(speed - state.speed) < 1e-9]
     return names[0] if names else f"{state.speed:g} x"
+
+
+def _offer_only(dropdown: MirroredControl, values: tuple[str, ...], now: str) -> None:
+    """Offer these values, and the world's value even if it is none of them."""
+    set_if_changed(dropdown.control, "options", values if now in values else (*values, now))
 
 
 def _show(dropdown: MirroredControl, value: str) -> None:

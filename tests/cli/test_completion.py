@@ -1,6 +1,5 @@
 """The shell's completion offers every command, every option, and the names that there are."""
 
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -11,12 +10,12 @@ from cli.main import COMMANDS, main
 from formation.faults import PRESETS
 from formation.scenario.files import shipped
 from formation.scenario.registry import names
+from tests.exceptions import needs
 
 
 @pytest.fixture(scope="module")
 def script(tmp_path_factory: Any) -> Path:
-    if shutil.which("bash") is None:
-        pytest.skip("needs bash")
+    needs("bash")
     file: Path = tmp_path_factory.mktemp("shell") / "echelon.bash"
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []

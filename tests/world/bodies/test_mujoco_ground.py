@@ -7,9 +7,15 @@ import world.bodies.mujoco_ground as module
 from formation.errors import ScenarioError
 from formation.scenario.files import load
 from runtime.inprocess import Simulation, simulate
+from tests.exceptions import needs
 from world.bodies.mujoco_ground import MujocoGround
 
 DT = 0.01
+
+
+@pytest.fixture(autouse=True)
+def mujoco() -> None:
+    needs("mujoco")
 
 
 def test_a_formation_is_held_on_the_floor_as_on_the_plane_and_twice_alike() -> None:

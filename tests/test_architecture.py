@@ -57,7 +57,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "agents": [
         {"kernels", "states"},
         {"controllers"},
-        {"belief", "estimator", "motor_model"},
+        {"belief", "estimator", "motor_model", "avoidance"},
         {"window_estimator"},
         {"agent"},
         {"node"},
@@ -66,7 +66,7 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "world": [
         {"bodies", "faults", "contacts", "convergence", "states", "command_links"},
-        {"trace", "rate"},
+        {"trace", "rate", "sight"},
         {"world"},
         {"presence"},
         {"run_control"},

@@ -9,6 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
+from agents.avoidance import Avoidance
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
@@ -67,6 +68,7 @@ class Agent:
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
+        self._avoidance = Avoidance(scenario, robot, self._motors) if scenario.robots.avoid else None
         self._speed: FloatArray = np.zeros(2)
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
         self._said: Plan | None = None
@@ -83,6 +85,8 @@ class Agent:
         for receiver in self._receivers:
             receiver.set_faults(faults)
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
+        if self._avoidance:
+            self._avoidance.set_faults(faults)
 
     @property
     def hears(self) -> list[int]:
@@ -121,6 +125,8 @@ class Agent:
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
         self._measure(tick)
+        if self._avoidance:
+            self._avoidance.look(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
         plan, solve = None, 0.0
         if k % self.planning == 0 or self._last is None:
@@ -132,6 +138,8 @@ class Agent:
             solve = perf_counter() - began
             self._solves.append(solve)
         v, omega = self._input(k)
+        if self._avoidance:
+            v, omega = self._avoidance.filter(k, self._speed, v, omega)
         self._motors.command(k, v, omega)
         return Answer(
             Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan

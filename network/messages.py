@@ -9,6 +9,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from network import values
 from network.fields import (
     STRICT,
     Count,
@@ -27,12 +28,13 @@ from network.fields import (
     Positive,
     Real,
     Sender,
+    Sightings,
     Sums,
     Text,
     Velocity,
     Way,
 )
-from network.values import NO_MEASUREMENTS, NO_NEWS, NO_SUMS, NO_WAY, STILL, Event, LinkCounts, Mode, RunStatus
+from network.values import STILL, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 3
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -67,6 +69,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
+    seen: Sightings = field(default_factory=lambda: values.NO_SIGHTINGS)
+    """Bodies that robots see now, with or without an agent."""
     __pydantic_config__ = STRICT
 
 
@@ -99,13 +103,13 @@ class Plan:
     """Mean body velocity from `stamp` to `begins` [m/s, rad/s]."""
     disturbance: Velocity = field(default_factory=lambda: STILL)
     """What it estimates to disturb its v and omega [m/s, rad/s]."""
-    odometry: Sums = field(default_factory=lambda: NO_SUMS)
+    odometry: Sums = field(default_factory=lambda: values.NO_SUMS)
     """Since its agent began: of the sender, then of the robots upstream of it that it passes on."""
-    measurements: Measurements = field(default_factory=lambda: NO_MEASUREMENTS)
+    measurements: Measurements = field(default_factory=lambda: values.NO_MEASUREMENTS)
     """Raw measurements of the same robots, each with its own tick; hop 0 is the sender."""
-    news: News = field(default_factory=lambda: NO_NEWS)
+    news: News = field(default_factory=lambda: values.NO_NEWS)
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
-    way: Way = field(default_factory=lambda: NO_WAY)
+    way: Way = field(default_factory=lambda: values.NO_WAY)
     """The newest preview of the path that it knows; empty where every robot knows the path."""
     lost: Flag = False
     """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""

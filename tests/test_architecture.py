@@ -58,7 +58,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"kernels", "states"},
         {"controllers"},
         {"belief", "estimator", "motor_model"},
-        {"window_estimator", "plan_receiver"},
+        {"window_estimator", "plan_receiver", "avoidance"},
         {"agent"},
         {"node"},
         {"process"},
@@ -66,7 +66,7 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "world": [
         {"bodies", "faults", "contacts", "convergence", "states", "command_links"},
-        {"trace", "rate"},
+        {"trace", "rate", "sight"},
         {"world"},
         {"presence"},
         {"run_control"},

@@ -22,6 +22,7 @@ from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
 from world.faults import FaultState
+from world.sight import Sight
 from world.trace import Trace
 
 SHOWN_EVENTS = 40
@@ -55,7 +56,7 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.period is not None
-        self.plant = bodies_for(scenario)
+        self.plant, self._sight = bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.trace = None if self.endless else Trace(scenario, scenario.ticks)
@@ -113,6 +114,7 @@ class World:
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
+                seen=self._sight.see(self.k, self.plant.poses),
             )
         return self._tick
 

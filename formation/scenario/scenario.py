@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
-from formation.bodies.spec import Bodies
+from formation.bodies.spec import Bodies, BodyLimits
 from formation.disturbances import Disturbance, robots_missing
 from formation.errors import FaultError
 from formation.faults import Fault, ScheduledFault
@@ -38,15 +38,6 @@ MAX_STRIDE = 1000
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
-class Limits(Model):
-    """Limits of a robot's inputs: |v| <= v, |omega| <= omega."""
-
-    v: Positive = 0.5
-    """[m/s]."""
-    omega: Positive = 2.0
-    """[rad/s]."""
-
-
 class StartNoise(Model):
     """Standard deviations of the start poses."""
 
@@ -61,7 +52,11 @@ class Robots(Model):
 
     poses: list[Triple] | None = None
     """Start poses [m, m, rad]; in formation if absent."""
-    limits: Limits = Limits()
+    limits: BodyLimits = BodyLimits()
+    sight: NonNegative = 1.0
+    """How far a robot sees other bodies [m]."""
+    avoid: bool = True
+    """Keep off bodies in sight by a last filter on commands (docs/theory.md, section 17)."""
     start_noise: StartNoise = StartNoise()
 
 

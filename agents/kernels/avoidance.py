@@ -1,0 +1,212 @@
+"""Bodies in sight, and the last filter on a command against them (docs/theory.md, section 17)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.kernels.jit import (
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    VECTOR,
+    VECTOR_OUT,
+    WHOLE,
+    WHOLE_MATRIX_OUT,
+    WHOLE_VECTOR_OUT,
+    kernel,
+    kernel_for,
+    named,
+)
+from agents.kernels.unicycle import step, wrap
+from formation.arrays import FloatArray, IntArray
+
+PAST = 128
+"""Ticks of own poses that are kept: a sighting may come this late."""
+ASIDE = 0.1
+"""A body whose bearing is within this of straight ahead is passed on its left side, as by everybody [rad]."""
+RETREAT = 0.05
+"""Fastest that a robot backs off from a body that is too close [m/s]."""
+
+
+class Tracks(NamedTuple):
+    """Bodies in a frame that is carried along by odometry."""
+
+    own: FloatArray
+    """(PAST, 3) own poses, by tick, row k % PAST [m, m, rad]."""
+    tick: IntArray
+    """(1,) of the newest of them."""
+    body: FloatArray
+    """(n, 4) x, y and their velocities, where it was last seen [m, m/s]."""
+    seen: IntArray
+    """(n, 2) the tick of that, and how often it was seen since it was lost; 0: not in sight."""
+
+
+class Law(NamedTuple):
+    """What keeps robots apart."""
+
+    reach: FloatArray
+    """(n,) own radius and the other's [m]."""
+    margin: FloatArray
+    """(n,) distance of the bodies that is kept [m]."""
+    limits: FloatArray
+    """(2,) of |v| and |omega| [m/s, rad/s]."""
+    change: FloatArray
+    """(2,) of a wheel speed in a tick [m/s, rad/s]."""
+    steer: float
+    """Turn rate at which a robot that cannot go on turns aside [rad/s]."""
+    kept: int
+    """Ticks after which a body that is not seen is forgotten."""
+
+
+TRACKS = named(Tracks, MATRIX_OUT, WHOLE_VECTOR_OUT, MATRIX_OUT, WHOLE_MATRIX_OUT)
+LAW = named(Law, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, REAL, WHOLE)
+
+
+def start(robots: int) -> Tracks:
+    """Nobody in sight."""
+    return Tracks(
+        np.zeros((PAST, 3)), np.zeros(1, dtype=np.int64), np.zeros((robots, 4)), np.zeros((robots, 2), dtype=np.int64)
+    )
+
+
+@kernel_for(NOTHING, TRACKS, WHOLE, REAL, REAL, REAL)
+def roll(t: Tracks, k: int, v: float, omega: float, dt: float) -> None:
+    """It is tick k now; the wheels had these speeds since the last call [m/s, rad/s]."""
+    if k - t.tick[0] >= PAST:
+        t.tick[0] = k - 1
+        t.seen[:, 1] = 0
+    for now in range(t.tick[0] + 1, k + 1):
+        before = t.own[(now - 1) % PAST]
+        x, y, theta = step(before[0], before[1], before[2], v, omega, dt)
+        row = t.own[now % PAST]
+        row[0], row[1], row[2] = x, y, theta
+    t.tick[0] = k
+
+
+@kernel_for(NOTHING, TRACKS, LAW, WHOLE, MATRIX, REAL, REAL, REAL)
+def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: float, dt: float) -> None:
+    """Bodies were at places (m, 3) at tick `at`: row, x and y in the own frame [m].
+
+    An alpha-beta filter: least squares over the first sightings, then with fading memory, down to these gains.
+    """
+    if t.tick[0] - at >= PAST:
+        return
+    own = t.own[at % PAST]
+    c, s = math.cos(own[2]), math.sin(own[2])
+    for i in range(len(places)):
+        j = int(places[i, 0])
+        x, y = own[0] + c * places[i, 1] - s * places[i, 2], own[1] + s * places[i, 1] + c * places[i, 2]
+        body, seen = t.body[j], t.seen[j]
+        if seen[1] == 0 or at - seen[0] > law.kept:
+            body[0], body[1], body[2], body[3] = x, y, 0.0, 0.0
+            seen[0], seen[1] = at, 1
+        elif at > seen[0]:
+            h = (at - seen[0]) * dt
+            seen[0], seen[1] = at, seen[1] + 1
+            n = seen[1]
+            a = max(alpha, 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)))
+            b = max(beta, 6.0 / (n * (n + 1.0)))
+            mx, my = x - body[0] - h * body[2], y - body[1] - h * body[3]
+            body[0] += h * body[2] + a * mx
+            body[1] += h * body[3] + a * my
+            body[2] += b / h * mx
+            body[3] += b / h * my
+
+
+@kernel
+def allowed(gap: float, react: float, brake: float) -> float:
+    """The closing speed from which one stops within gap [m]: s react + s^2 / (2 brake) = gap; below 0 if gap is."""
+    if gap <= 0.0:
+        return gap / react
+    if brake > 1e6:
+        return gap / react
+    return brake * (math.sqrt(react * react + 2.0 * gap / brake) - react)
+
+
+@kernel_for(WHOLE, TRACKS, LAW, WHOLE, WHOLE, MATRIX, WHOLE, REAL, REAL, VECTOR, REAL, VECTOR_OUT)
+def keep_off(
+    t: Tracks,
+    law: Law,
+    row: int,
+    k: int,
+    commands: FloatArray,
+    delay: int,
+    rate: float,
+    react: float,
+    wheels: FloatArray,
+    dt: float,
+    command: FloatArray,
+) -> int:
+    """Change a command (2,) that brings the robot too close to a body.
+
+    Args:
+        t: what is in sight.
+        law: what is kept.
+        row: of this robot.
+        k: now.
+        commands: (LENGTH, 2) by the tick they were given, row t % LENGTH [m/s, rad/s].
+        delay: ticks from a command to its effect.
+        rate: share of the gap that wheels close in a tick.
+        react: time in which a command takes effect, beyond the delay [s].
+        wheels: (2,) their speeds now.
+        dt: [s].
+        command: (2,), changed [m/s, rad/s].
+
+    Returns:
+        Row of the body that it keeps off; -1 if the command stays what it is.
+    """
+    own, length = t.own[k % PAST], len(commands)
+    x, y, theta = own[0], own[1], own[2]
+    v, w = wheels[0], wheels[1]
+    for now in range(k, k + delay):
+        for c in range(2):
+            given = min(max(commands[(now - delay) % length, c], -law.limits[c]), law.limits[c])
+            gap = rate * (given - (v if c == 0 else w))
+            gap = min(max(gap, -law.change[c]), law.change[c])
+            if c == 0:
+                v += gap
+            else:
+                w += gap
+        x, y, theta = step(x, y, theta, v, w, dt)
+    low, high, below, above = -np.inf, np.inf, -1, -1
+    brake = law.change[0] / dt
+    for j in range(len(t.seen)):
+        seen = t.seen[j]
+        if seen[1] < 2 or k - seen[0] > law.kept:
+            continue
+        body, h = t.body[j], (k + delay - seen[0]) * dt
+        px, py = body[0] + h * body[2] - x, body[1] + h * body[3] - y
+        d = max(math.hypot(px, py), 1e-6)
+        closing = -(px * body[2] + py * body[3]) / d
+        total = allowed(d - law.reach[j] - law.margin[j], react, brake)
+        mine = total - closing
+        if closing > 0.0:
+            mine = max(mine, 0.5 * total)
+        if mine < 0.0:
+            mine = max(mine, -RETREAT) if row > j else 0.0
+        along = (px * math.cos(theta) + py * math.sin(theta)) / d
+        if along > 0.05 and mine / along < high:
+            high, above = mine / along, j
+        elif along < -0.05 and mine / along > low:
+            low, below = mine / along, j
+    wish = command[0]
+    if low <= wish <= high:
+        return -1
+    if low > high:
+        new, who = 0.5 * (low + high), above if wish >= 0.0 else below
+    elif wish > high:
+        new, who = high, above
+    else:
+        new, who = low, below
+    new = min(max(new, -law.limits[0]), law.limits[0])
+    command[0] = new
+    if abs(wish) > abs(new) and abs(wish) > 1e-3:
+        body, h = t.body[who], (k + delay - t.seen[who, 0]) * dt
+        facing = theta if wish > 0.0 else theta + math.pi
+        bearing = wrap(math.atan2(body[1] + h * body[3] - y, body[0] + h * body[2] - x) - facing)
+        cut = min((wish - new) / wish, 1.0)
+        aside = -law.steer if bearing > -ASIDE else law.steer
+        command[1] = (1.0 - cut) * command[1] + cut * aside
+    return who

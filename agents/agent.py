@@ -141,9 +141,9 @@ class Agent:
         if self._avoidance:
             v, omega = self._avoidance.filter(k, self._speed, v, omega)
         self._motors.command(k, v, omega)
-        return Answer(
-            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
-        )
+        planned, off = plan is not None, self._keeps_off
+        command = Command(self.robot, k, stamp, self.episode, v, omega, age, planned, solve, self._converged, off)
+        return Answer(command, plan)
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
@@ -192,6 +192,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
+            self._avoidance.kept_off if self._avoidance else None,
             task.lost(at),
         )
         solution = self._controller.plan(observation)
@@ -261,7 +262,13 @@ class Agent:
             converged=self._converged,
             way_age=self._task.way_age(k),
             lost=self._said is not None and self._said.lost,
+            keeps_off=self._keeps_off,
         )
+
+    @property
+    def _keeps_off(self) -> int:
+        """Robot that the newest command keeps off; 0 if it is the plan's."""
+        return self._avoidance.who if self._avoidance else 0
 
     @property
     def _converged(self) -> bool:

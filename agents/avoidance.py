@@ -18,13 +18,15 @@ from network.messages import Tick
 YIELDS, INSISTS = 0.006, 0.003
 """Distance of two bodies that the robot with the higher number keeps, and the one with the lower [m]."""
 RESPONSE: Final = 0.1
-"""Time in which closing speeds fade, beyond delay and lag of the wheels [s]."""
+"""Time in which closing speeds fade, beyond the delay [s]."""
 CHANGES: Final = 0.5
 """How fast others are assumed to change their velocity [m/s2]."""
 LEAST: Final = 0.0003
 """Standard deviation of a sighting, at least [m]."""
 STEER: Final = 1.5
 """Turn rate of a robot that turns aside, at most [rad/s]."""
+ROUND: Final = 0.25
+"""Speed on the way round a body, as a share of the limit."""
 KEPT: Final = 0.5
 """A body that has not been seen for so long is forgotten [s]."""
 
@@ -47,16 +49,19 @@ class Avoidance:
         others = np.arange(scenario.size)
         self._law = Law(
             radii + radii[self._row],
-            np.where(others < self._row, YIELDS, INSISTS),
+            np.where(others < self._row, YIELDS, INSISTS) + (scenario.nominal.relative or 0.0),
             np.array(motors.limits),
             np.array(motors.change),
             min(STEER, float(motors.limits[1])),
+            ROUND * float(motors.limits[0]),
             round(KEPT / self._dt),
         )
         self._tracks = start(scenario.size)
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self.who = 0
         """Number of the robot that the last command keeps off; 0 if it was not changed."""
+        self.kept_off: FloatArray | None = None
+        """(2,) speeds that the last command leads to, if it was changed [m/s, rad/s]."""
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the link from the world from now on."""
@@ -80,7 +85,7 @@ class Avoidance:
     def filter(self, k: int, wheels: FloatArray, v: float, omega: float) -> tuple[float, float]:
         """The command (v, omega) of tick k [m/s, rad/s], or one that keeps off; wheels (2,) are their speeds now."""
         motors = self._motors
-        command = np.array([v, omega])
+        command = np.array([v, omega, v])
         self.who = 1 + keep_off(
             self._tracks,
             self._law,
@@ -88,12 +93,13 @@ class Avoidance:
             k,
             motors.commands,
             motors.delay,
-            motors.rate,
-            RESPONSE + motors.lag,
+            motors.lag,
+            RESPONSE,
             wheels,
             self._dt,
             command,
         )
+        self.kept_off = command[[2, 1]] if self.who else None
         return (float(command[0]), float(command[1])) if self.who else (v, omega)
 
 

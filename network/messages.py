@@ -36,7 +36,7 @@ from network.fields import (
 )
 from network.values import STILL, Event, LinkCounts, Mode, RunStatus
 
-VERSION = 3
+VERSION = 4
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD
 """Sender number of the world; robots count from 1."""
@@ -142,6 +142,8 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
+    keeps_off: Sender = 0
+    """Robot that v and omega were changed for, to keep off it; 0 if they are the plan's."""
     __pydantic_config__ = STRICT
 
 
@@ -177,6 +179,8 @@ class Status:
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
     lost: Flag = False
     """As in Plan."""
+    keeps_off: Sender = 0
+    """As in the Command of the same tick."""
     __pydantic_config__ = STRICT
 
 

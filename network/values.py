@@ -44,7 +44,7 @@ class Event:
 
     number: Count
     stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "contact", "wire"]
+    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire"]
     text: Text
     severity: Severity = "info"
     """How much it matters; info also when something is well again. Set by who raises the event."""

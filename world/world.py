@@ -132,6 +132,8 @@ class World:
         for robot, works in self.convergence.add(commands, now):
             text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
             self.event("agent", f"robot {robot}: its solver {text}", severity)
+        for robot, other in self.excursions.keep_off(commands, now):
+            self.event("avoidance", f"robot {robot} keeps off robot {other}")
         self._planned = sorted(robot for robot, command in commands.items() if command.planned)
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1

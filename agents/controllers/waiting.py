@@ -44,6 +44,8 @@ class Waiting:
     def update(self, observation: Observation) -> bool:
         """Bring the pair's lag and pace to the observation; whether anybody waits, as far as is known."""
         task, state, at = self._task, self.state, float(observation.k)
+        if observation.kept_off is not None:
+            state.velocities[:] = observation.kept_off  # what a robot was not let do is no reason to wait
         waits = False
         for neighbour in (observation.upstream, observation.downstream):
             waits |= self._hear(neighbour, at)

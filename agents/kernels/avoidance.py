@@ -28,6 +28,18 @@ ASIDE = 0.1
 """A body whose bearing is within this of straight ahead is passed on its left side, as by everybody [rad]."""
 RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
+NOT_YET, PATIENCE = 0.3, 0.6
+"""A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
+BLOCKED = 0.3
+"""Share of a command that has to be cut for that."""
+SOON = 0.05
+"""Time in which the wheels shall have the speed that is wanted [s]."""
+MOVING = 0.02
+"""A body that moves is passed behind [m/s]."""
+ROOM, ROOM_TIME = 0.005, 0.2
+"""What is kept beyond the margin on the way round [m], and how fast it is restored [s]."""
+TURN = 3.0
+"""Turn rate by heading error on the way round [1/s]."""
 
 
 class Tracks(NamedTuple):
@@ -41,6 +53,8 @@ class Tracks(NamedTuple):
     """(n, 4) x, y and their velocities, where it was last seen [m, m/s]."""
     seen: IntArray
     """(n, 2) the tick of that, and how often it was seen since it was lost; 0: not in sight."""
+    blocked: FloatArray
+    """(2,) for how long the robot has been kept off [s]; 1 if it goes round clockwise seen from the body, -1, or 0."""
 
 
 class Law(NamedTuple):
@@ -56,18 +70,24 @@ class Law(NamedTuple):
     """(2,) of a wheel speed in a tick [m/s, rad/s]."""
     steer: float
     """Turn rate at which a robot that cannot go on turns aside [rad/s]."""
+    round: float
+    """Speed at which it goes round a body, in the body's frame [m/s]."""
     kept: int
     """Ticks after which a body that is not seen is forgotten."""
 
 
-TRACKS = named(Tracks, MATRIX_OUT, WHOLE_VECTOR_OUT, MATRIX_OUT, WHOLE_MATRIX_OUT)
-LAW = named(Law, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, REAL, WHOLE)
+TRACKS = named(Tracks, MATRIX_OUT, WHOLE_VECTOR_OUT, MATRIX_OUT, WHOLE_MATRIX_OUT, VECTOR_OUT)
+LAW = named(Law, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT, REAL, REAL, WHOLE)
 
 
 def start(robots: int) -> Tracks:
     """Nobody in sight."""
     return Tracks(
-        np.zeros((PAST, 3)), np.zeros(1, dtype=np.int64), np.zeros((robots, 4)), np.zeros((robots, 2), dtype=np.int64)
+        np.zeros((PAST, 3)),
+        np.zeros(1, dtype=np.int64),
+        np.zeros((robots, 4)),
+        np.zeros((robots, 2), dtype=np.int64),
+        np.zeros(2),
     )
 
 
@@ -125,6 +145,35 @@ def allowed(gap: float, react: float, brake: float) -> float:
     return brake * (math.sqrt(react * react + 2.0 * gap / brake) - react)
 
 
+@kernel
+def between(value: float, low: float, high: float) -> float:
+    """Value, held within the bounds."""
+    return min(max(value, low), high)
+
+
+@kernel
+def ahead(
+    own: FloatArray,
+    commands: FloatArray,
+    k: int,
+    delay: int,
+    rate: float,
+    law: Law,
+    wheels: FloatArray,
+    dt: float,
+) -> tuple[float, float, float, float]:
+    """The own pose, and v of the wheels, where the command of tick k takes effect."""
+    x, y, theta = own[0], own[1], own[2]
+    v, w = wheels[0], wheels[1]
+    length = len(commands)
+    for now in range(k, k + delay):
+        given = commands[(now - delay) % length]
+        v += between(rate * (between(given[0], -law.limits[0], law.limits[0]) - v), -law.change[0], law.change[0])
+        w += between(rate * (between(given[1], -law.limits[1], law.limits[1]) - w), -law.change[1], law.change[1])
+        x, y, theta = step(x, y, theta, v, w, dt)
+    return x, y, theta, v
+
+
 @kernel_for(WHOLE, TRACKS, LAW, WHOLE, WHOLE, MATRIX, WHOLE, REAL, REAL, VECTOR, REAL, VECTOR_OUT)
 def keep_off(
     t: Tracks,
@@ -133,13 +182,13 @@ def keep_off(
     k: int,
     commands: FloatArray,
     delay: int,
-    rate: float,
+    lag: float,
     react: float,
     wheels: FloatArray,
     dt: float,
     command: FloatArray,
 ) -> int:
-    """Change a command (2,) that brings the robot too close to a body.
+    """Change a command that brings the robot too close to a body.
 
     Args:
         t: what is in sight.
@@ -148,30 +197,22 @@ def keep_off(
         k: now.
         commands: (LENGTH, 2) by the tick they were given, row t % LENGTH [m/s, rad/s].
         delay: ticks from a command to its effect.
-        rate: share of the gap that wheels close in a tick.
-        react: time in which a command takes effect, beyond the delay [s].
+        lag: time constant of the wheels [s].
+        react: time in which closing speeds fade [s].
         wheels: (2,) their speeds now.
         dt: [s].
-        command: (2,), changed [m/s, rad/s].
+        command: (3,), v and omega, changed; result: v of the wheels that it leads to [m/s, rad/s].
 
     Returns:
         Row of the body that it keeps off; -1 if the command stays what it is.
     """
-    own, length = t.own[k % PAST], len(commands)
-    x, y, theta = own[0], own[1], own[2]
-    v, w = wheels[0], wheels[1]
-    for now in range(k, k + delay):
-        for c in range(2):
-            given = min(max(commands[(now - delay) % length, c], -law.limits[c]), law.limits[c])
-            gap = rate * (given - (v if c == 0 else w))
-            gap = min(max(gap, -law.change[c]), law.change[c])
-            if c == 0:
-                v += gap
-            else:
-                w += gap
-        x, y, theta = step(x, y, theta, v, w, dt)
+    rate, reach = 1.0, 1.0
+    if lag > 1e-6:
+        rate, reach = 1.0 - math.exp(-dt / lag), 1.0 - math.exp(-SOON / lag)
+    x, y, theta, rolling = ahead(t.own[k % PAST], commands, k, delay, rate, law, wheels, dt)
+    c, s = math.cos(theta), math.sin(theta)
     low, high, below, above = -np.inf, np.inf, -1, -1
-    brake = law.change[0] / dt
+    brake = min(law.change[0] / dt, law.limits[0] / max(lag, 1e-9))
     for j in range(len(t.seen)):
         seen = t.seen[j]
         if seen[1] < 2 or k - seen[0] > law.kept:
@@ -186,27 +227,54 @@ def keep_off(
             mine = max(mine, 0.5 * total)
         if mine < 0.0:
             mine = max(mine, -RETREAT) if row > j else 0.0
-        along = (px * math.cos(theta) + py * math.sin(theta)) / d
+        along = (px * c + py * s) / d
         if along > 0.05 and mine / along < high:
             high, above = mine / along, j
         elif along < -0.05 and mine / along > low:
             low, below = mine / along, j
+    # The command that brings the wheels to a speed soon, however they lag.
+    low, high = rolling + (low - rolling) / reach, rolling + (high - rolling) / reach
     wish = command[0]
     if low <= wish <= high:
+        t.blocked[0] = max(t.blocked[0] - dt, 0.0)
+        if t.blocked[0] == 0.0:
+            t.blocked[1] = 0.0
         return -1
+    who = above if wish > high else below
     if low > high:
-        new, who = 0.5 * (low + high), above if wish >= 0.0 else below
-    elif wish > high:
-        new, who = high, above
-    else:
-        new, who = low, below
-    new = min(max(new, -law.limits[0]), law.limits[0])
-    command[0] = new
+        low = high = 0.5 * (low + high)
+        who = above if wish >= 0.0 else below
+    new = between(wish, low, high)
+    body, h = t.body[who], (k + delay - t.seen[who, 0]) * dt
+    px, py = body[0] + h * body[2] - x, body[1] + h * body[3] - y
+    d = max(math.hypot(px, py), 1e-6)
+    nx, ny = px / d, py / d
     if abs(wish) > abs(new) and abs(wish) > 1e-3:
-        body, h = t.body[who], (k + delay - t.seen[who, 0]) * dt
-        facing = theta if wish > 0.0 else theta + math.pi
-        bearing = wrap(math.atan2(body[1] + h * body[3] - y, body[0] + h * body[2] - x) - facing)
+        sign = 1.0 if wish > 0.0 else -1.0
         cut = min((wish - new) / wish, 1.0)
-        aside = -law.steer if bearing > -ASIDE else law.steer
+        side = c * ny - s * nx  # sine of the bearing
+        aside = -law.steer if sign * side > -ASIDE else law.steer
         command[1] = (1.0 - cut) * command[1] + cut * aside
+        if cut > BLOCKED:
+            t.blocked[0] = min(t.blocked[0] + dt, PATIENCE)
+        if t.blocked[0] > NOT_YET:
+            if t.blocked[1] == 0.0:
+                speed = math.hypot(body[2], body[3])
+                across = ny * body[2] - nx * body[3]  # its motion along the way round to the right
+                wanted = sign * (ny * c - nx * s)
+                if speed > MOVING and abs(across) > 0.3 * speed:
+                    t.blocked[1] = 1.0 if across < 0.0 else -1.0
+                else:
+                    t.blocked[1] = 1.0 if wanted > -ASIDE else -1.0
+            turn = t.blocked[1]
+            back = min((d - law.reach[who] - law.margin[who] - ROOM) / ROOM_TIME, 0.0)
+            wx = body[2] + law.round * turn * ny + back * nx
+            wy = body[3] - law.round * turn * nx + back * ny
+            error = wrap(math.atan2(wy, wx) - theta)
+            share = between((t.blocked[0] - NOT_YET) / (PATIENCE - NOT_YET), 0.0, 1.0)
+            drive = math.hypot(wx, wy) * max(math.cos(error), 0.0)
+            new += share * (between(drive, low, high) - new)
+            command[1] += share * (between(TURN * error, -law.steer, law.steer) - command[1])
+    command[0] = between(new, -law.limits[0], law.limits[0])
+    command[2] = rolling + reach * (command[0] - rolling)
     return who

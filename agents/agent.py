@@ -192,7 +192,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
-            self._avoidance.kept_off if self._avoidance else None,
+            self._avoidance.take() if self._avoidance else None,
             task.lost(at),
         )
         solution = self._controller.plan(observation)

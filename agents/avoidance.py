@@ -27,6 +27,8 @@ STEER: Final = 1.5
 """Turn rate of a robot that turns aside, at most [rad/s]."""
 ROUND: Final = 0.25
 """Speed on the way round a body, as a share of the limit."""
+ROUND_STEP: Final = 0.025
+"""Way that it makes there before a command takes effect, at most [m]."""
 KEPT: Final = 0.5
 """A body that has not been seen for so long is forgotten [s]."""
 
@@ -44,7 +46,7 @@ class Avoidance:
         """
         self._row, self._motors, self._dt = robot - 1, motors, scenario.control_interval
         radii = np.array(scenario.bodies.radii(scenario.size))
-        sigma = max(scenario.nominal.relative or 0.0, LEAST)
+        self._sigma = sigma = max(scenario.nominal.relative or 0.0, LEAST)
         self._gains = gains(CHANGES * self._dt**2 / sigma)
         others = np.arange(scenario.size)
         self._law = Law(
@@ -53,15 +55,15 @@ class Avoidance:
             np.array(motors.limits),
             np.array(motors.change),
             min(STEER, float(motors.limits[1])),
-            ROUND * float(motors.limits[0]),
+            min(ROUND * float(motors.limits[0]), ROUND_STEP / (RESPONSE + motors.delay * self._dt)),
             round(KEPT / self._dt),
         )
         self._tracks = start(scenario.size)
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self.who = 0
         """Number of the robot that the last command keeps off; 0 if it was not changed."""
-        self.kept_off: FloatArray | None = None
-        """(2,) speeds that the last command leads to, if it was changed [m/s, rad/s]."""
+        self._since = np.zeros(3)
+        self._changed = False
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the link from the world from now on."""
@@ -75,12 +77,12 @@ class Avoidance:
         roll(self._tracks, k, float(v), float(omega), self._dt)
         places = np.ascontiguousarray(tick.seen[tick.seen[:, 0] == self._row, 1:])
         if self._link.transparent:
-            see(self._tracks, self._law, k, places, *self._gains, self._dt)
+            see(self._tracks, self._law, k, places, *self._gains, self._sigma, self._dt)
             return
         self._link.push(k, tick.stamp, places)
         for arrival in self._link.pop(tick.stamp):
             if arrival.damage is None:
-                see(self._tracks, self._law, arrival.seq, arrival.message, *self._gains, self._dt)
+                see(self._tracks, self._law, arrival.seq, arrival.message, *self._gains, self._sigma, self._dt)
 
     def filter(self, k: int, wheels: FloatArray, v: float, omega: float) -> tuple[float, float]:
         """The command (v, omega) of tick k [m/s, rad/s], or one that keeps off; wheels (2,) are their speeds now."""
@@ -94,13 +96,21 @@ class Avoidance:
             motors.commands,
             motors.delay,
             motors.lag,
-            RESPONSE,
+            RESPONSE + motors.delay * self._dt,
             wheels,
             self._dt,
             command,
         )
-        self.kept_off = command[[2, 1]] if self.who else None
+        self._since += (command[2], command[1], 1.0)
+        self._changed |= self.who > 0
         return (float(command[0]), float(command[1])) if self.who else (v, omega)
+
+    def take(self) -> FloatArray | None:
+        """Mean speeds (2,) that the commands since the last call lead to, if one was changed [m/s, rad/s]."""
+        mean = self._since[:2] / self._since[2] if self._changed else None
+        self._since[:] = 0.0
+        self._changed = False
+        return mean
 
 
 def gains(index: float) -> tuple[float, float]:

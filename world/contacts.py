@@ -53,7 +53,7 @@ class Contacts:
 
 
 class Excursions:
-    """For how long each robot's command stood at a limit or was changed to keep off, and each robot outside the arena."""
+    """For how long each robot stood at a limit, kept off others, and was outside the arena."""
 
     def __init__(self, scenario: Scenario) -> None:
         robots = range(1, scenario.size + 1)

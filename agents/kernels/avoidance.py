@@ -28,6 +28,8 @@ ASIDE = 0.1
 """A body whose bearing is within this of straight ahead is passed on its left side, as by everybody [rad]."""
 RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
+BLEND, SURPRISE, RESTART = 0.25, 1.4, 5
+"""Weight of an innovation in its mean, the mean that is no chance (3.7 sigma), and sightings that are not forgotten."""
 NOT_YET, PATIENCE = 0.3, 0.6
 """A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
 BLOCKED = 0.3
@@ -50,7 +52,7 @@ class Tracks(NamedTuple):
     tick: IntArray
     """(1,) of the newest of them."""
     body: FloatArray
-    """(n, 4) x, y and their velocities, where it was last seen [m, m/s]."""
+    """(n, 6) x, y and their velocities, when it was last seen [m, m/s]; means of the normalised innovations."""
     seen: IntArray
     """(n, 2) the tick of that, and how often it was seen since it was lost; 0: not in sight."""
     blocked: FloatArray
@@ -85,7 +87,7 @@ def start(robots: int) -> Tracks:
     return Tracks(
         np.zeros((PAST, 3)),
         np.zeros(1, dtype=np.int64),
-        np.zeros((robots, 4)),
+        np.zeros((robots, 6)),
         np.zeros((robots, 2), dtype=np.int64),
         np.zeros(2),
     )
@@ -105,11 +107,12 @@ def roll(t: Tracks, k: int, v: float, omega: float, dt: float) -> None:
     t.tick[0] = k
 
 
-@kernel_for(NOTHING, TRACKS, LAW, WHOLE, MATRIX, REAL, REAL, REAL)
-def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: float, dt: float) -> None:
+@kernel_for(NOTHING, TRACKS, LAW, WHOLE, MATRIX, REAL, REAL, REAL, REAL)
+def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: float, sigma: float, dt: float) -> None:
     """Bodies were at places (m, 3) at tick `at`: row, x and y in the own frame [m].
 
-    An alpha-beta filter: least squares over the first sightings, then with fading memory, down to these gains.
+    An alpha-beta filter: least squares over the first sightings, then with fading memory, down to these gains. Where
+    innovations (of standard deviation sigma [m]) keep to one side, it forgets all but the last few sightings.
     """
     if t.tick[0] - at >= PAST:
         return
@@ -120,7 +123,8 @@ def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: fl
         x, y = own[0] + c * places[i, 1] - s * places[i, 2], own[1] + s * places[i, 1] + c * places[i, 2]
         body, seen = t.body[j], t.seen[j]
         if seen[1] == 0 or at - seen[0] > law.kept:
-            body[0], body[1], body[2], body[3] = x, y, 0.0, 0.0
+            body[:] = 0.0
+            body[0], body[1] = x, y
             seen[0], seen[1] = at, 1
         elif at > seen[0]:
             h = (at - seen[0]) * dt
@@ -129,6 +133,10 @@ def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: fl
             a = max(alpha, 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)))
             b = max(beta, 6.0 / (n * (n + 1.0)))
             mx, my = x - body[0] - h * body[2], y - body[1] - h * body[3]
+            body[4] += BLEND * (mx / sigma - body[4])
+            body[5] += BLEND * (my / sigma - body[5])
+            if n > RESTART and math.hypot(body[4], body[5]) > SURPRISE:
+                body[4], body[5], seen[1] = 0.0, 0.0, RESTART
             body[0] += h * body[2] + a * mx
             body[1] += h * body[3] + a * my
             body[2] += b / h * mx
@@ -201,7 +209,7 @@ def keep_off(
         react: time in which closing speeds fade [s].
         wheels: (2,) their speeds now.
         dt: [s].
-        command: (3,), v and omega, changed; result: v of the wheels that it leads to [m/s, rad/s].
+        command: (3,), v and omega, changed; result: v of the wheels a tick later [m/s, rad/s].
 
     Returns:
         Row of the body that it keeps off; -1 if the command stays what it is.
@@ -276,5 +284,5 @@ def keep_off(
             new += share * (between(drive, low, high) - new)
             command[1] += share * (between(TURN * error, -law.steer, law.steer) - command[1])
     command[0] = between(new, -law.limits[0], law.limits[0])
-    command[2] = rolling + reach * (command[0] - rolling)
+    command[2] = rolling + between(rate * (command[0] - rolling), -law.change[0], law.change[0])
     return who

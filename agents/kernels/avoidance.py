@@ -30,7 +30,7 @@ RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
 BLEND, SURPRISE, RESTART = 0.25, 1.4, 5
 """Weight of an innovation in its mean, the mean that is no chance (3.7 sigma), and sightings that are not forgotten."""
-NOT_YET, PATIENCE = 0.3, 0.6
+NOT_YET, PATIENCE = 1.5, 2.0
 """A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
 BLOCKED = 0.3
 """Share of a command that has to be cut for that."""
@@ -244,7 +244,7 @@ def keep_off(
     low, high = rolling + (low - rolling) / reach, rolling + (high - rolling) / reach
     wish = command[0]
     if low <= wish <= high:
-        t.blocked[0] = max(t.blocked[0] - dt, 0.0)
+        t.blocked[0] = max(t.blocked[0] - 0.5 * dt, 0.0)
         if t.blocked[0] == 0.0:
             t.blocked[1] = 0.0
         return -1
@@ -260,9 +260,6 @@ def keep_off(
     if abs(wish) > abs(new) and abs(wish) > 1e-3:
         sign = 1.0 if wish > 0.0 else -1.0
         cut = min((wish - new) / wish, 1.0)
-        side = c * ny - s * nx  # sine of the bearing
-        aside = -law.steer if sign * side > -ASIDE else law.steer
-        command[1] = (1.0 - cut) * command[1] + cut * aside
         if cut > BLOCKED:
             t.blocked[0] = min(t.blocked[0] + dt, PATIENCE)
         if t.blocked[0] > NOT_YET:

@@ -15,7 +15,7 @@ from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Tick
 
-YIELDS, INSISTS = 0.006, 0.003
+YIELDS, INSISTS = 0.010, 0.006
 """Distance of two bodies that the robot with the higher number keeps, and the one with the lower [m]."""
 RESPONSE: Final = 0.1
 """Time in which closing speeds fade, beyond the delay [s]."""

@@ -60,7 +60,7 @@ class Observation:
     motor_lag: float = 0.0
     """Time constant of the wheels [s]."""
     kept_off: FloatArray | None = None
-    """(2,) speeds at which the last filter let the robot drive (agents/avoidance.py), if not as planned [m/s, rad/s]."""
+    """(2,) mean speeds since the last plan that the last filter allowed, if it changed a command [m/s, rad/s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
 

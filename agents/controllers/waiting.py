@@ -8,7 +8,7 @@ import numpy as np
 from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.task import Task
 from agents.kernels import waiting
-from agents.kernels.waiting import FRESH, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, Self
+from agents.kernels.waiting import AWAY, CARRIED_TICKS, FRESH, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, Self
 from formation.arrays import FloatArray
 
 
@@ -45,7 +45,10 @@ class Waiting:
         """Bring the pair's lag and pace to the observation; whether anybody waits, as far as is known."""
         task, state, at = self._task, self.state, float(observation.k)
         if observation.kept_off is not None:
-            state.velocities[:] = observation.kept_off  # what a robot was not let do is no reason to wait
+            # What a robot was not let do is no reason to wait, nor to begin to soon after.
+            state.velocities[:] = observation.kept_off
+            if not state.whole[WAITS]:
+                state.whole[AWAY] = max(int(state.whole[AWAY]), observation.k + CARRIED_TICKS)
         waits = False
         for neighbour in (observation.upstream, observation.downstream):
             waits |= self._hear(neighbour, at)

@@ -28,8 +28,8 @@ ASIDE = 0.1
 """A body whose bearing is within this of straight ahead is passed on its left side, as by everybody [rad]."""
 RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
-BLEND, SURPRISE, RESTART = 0.25, 1.4, 5
-"""Weight of an innovation in its mean, the mean that is no chance (3.7 sigma), and sightings that are not forgotten."""
+BLEND, SURPRISE, RESTART = 0.25, 1.9, 8
+"""Weight of an innovation in its mean, the mean that is no chance (5 sigma), and sightings that are not forgotten."""
 NOT_YET, PATIENCE = 1.5, 2.0
 """A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
 BLOCKED = 0.3

@@ -4,8 +4,8 @@ The same Agent runs inside one process on a counted clock and as a process over 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
-from agents.estimator import Estimate, Estimator, LatestPose, Measurement
+from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
+from agents.sending import Sending
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -29,8 +30,7 @@ from network.messages import Command, Plan, Status, Tick
 from network.values import LinkCounts
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Answer:
+class Answer(NamedTuple):
     """What an agent publishes at a tick."""
 
     command: Command
@@ -69,9 +69,10 @@ class Agent:
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors) if scenario.robots.avoid else None
-        self._speed: FloatArray = np.zeros(2)
+        self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
+        self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
-        self._said: Plan | None = None
+        self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
         self._solves: list[float] = []
@@ -134,7 +135,7 @@ class Agent:
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
                 return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-            plan = self._said = self._plan(k, stamp, own)
+            plan = self._sending.offer(self._plan(k, stamp, own))
             solve = perf_counter() - began
             self._solves.append(solve)
         v, omega = self._input(k)
@@ -149,7 +150,7 @@ class Agent:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
         k, row = tick.seq, self.robot - 1
         if k > 0:
-            self._acting = float(self._motors.commands[(k - 1 - self._motors.delay) % len(self._motors.commands), 0])
+            self._acting = self._motors.acting(k - 1)
             self._speed = tick.odometry[row]
             self._estimator.roll(k, self._speed)
         elif self._last is None:
@@ -183,7 +184,7 @@ class Agent:
         observation = Observation(
             at,
             own.pose,
-            self._sighted(at, aged),
+            self._sighted(aged),
             other,
             own.speed,
             own.disturbance,
@@ -196,11 +197,8 @@ class Agent:
             task.lost(at),
         )
         solution = self._controller.plan(observation)
-        less = own.disturbance[[0, 2]] if self._compensates else np.zeros(2)
+        less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
         self._last = (k, solution, own.pose, less)
-        inputs = solution.inputs if solution.motion is None else solution.motion
-        lateral = float(own.disturbance[1]) if self._compensates else 0.0
-        theta = float(own.pose[2])
         return Plan(
             sender=self.robot,
             seq=k,
@@ -208,26 +206,27 @@ class Agent:
             episode=self.episode,
             pose=own.pose,
             interval=task.interval,
-            inputs=inputs,
+            inputs=solution.inputs if solution.motion is None else solution.motion,
             lag=solution.lag,
             lag_rate=solution.lag_rate,
             delay=self._motors.delay * task.tick,
             waits=solution.waits,
-            drift=np.array([-lateral * np.sin(theta), lateral * np.cos(theta)]),
+            drift=drift,
             twist=own.twist,
-            disturbance=own.disturbance[[0, 2]],
+            disturbance=own.input_disturbance,
             odometry=self._estimator.odometry(),
             measurements=self._estimator.measurements(),
             news=solution.news,
             way=task.preview(k),
             lost=observation.lost,
+            number=self._sending.next,
         )
 
-    def _sighted(self, at: int, aged: NeighborEstimate) -> NeighborEstimate:
+    def _sighted(self, aged: NeighborEstimate) -> NeighborEstimate:
         """The upstream neighbour as it is seen, where it is."""
         if not self._estimator.sees:
             return aged
-        pose, drift = self._estimator.neighbour(at, aged.plan)
+        pose, drift = self._estimator.neighbour()
         return NeighborEstimate(pose, aged.inputs, aged.plan, aged.age, drift, seen=True)
 
     def _input(self, k: int) -> tuple[float, float]:
@@ -235,9 +234,8 @@ class Agent:
         assert self._last is not None
         made, solution, _, less = self._last
         j = min((k - made) // self._task.stride, len(solution.inputs) - 1)
-        v_max, omega_max = self._task.limits
-        v, omega = float(solution.inputs[j, 0]) - float(less[0]), float(solution.inputs[j, 1]) - float(less[1])
-        return min(max(v, -v_max), v_max), min(max(omega, -omega_max), omega_max)
+        (v, omega), (less_v, less_omega), (v_max, omega_max) = solution.inputs[j].tolist(), less.tolist(), self._limits
+        return min(max(v - less_v, -v_max), v_max), min(max(omega - less_omega, -omega_max), omega_max)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
@@ -251,7 +249,7 @@ class Agent:
             episode=self.episode,
             link=self._receivers[0].id,
             age=belief.seconds_old(stamp),
-            plan=self._said,
+            plan=self._sending.last,
             held=belief.plan,
             counts=self.counts(),
             solve=solve,
@@ -261,7 +259,7 @@ class Agent:
             pid=pid,
             converged=self._converged,
             way_age=self._task.way_age(k),
-            lost=self._said is not None and self._said.lost,
+            lost=self._sending.last is not None and self._sending.last.lost,
             keeps_off=self._keeps_off,
         )
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from agents.kernels.avoidance import Law, keep_off, roll, see, start
-from agents.motor_model import MotorModel
+from agents.motor_model import UNLIMITED, MotorModel
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
@@ -45,6 +45,7 @@ class Avoidance:
             motors: how its commands become motion.
         """
         self._row, self._motors, self._dt = robot - 1, motors, scenario.control_interval
+        body, limits = scenario.nominal, (scenario.robots.limits.v, scenario.robots.limits.omega)
         radii = np.array(scenario.bodies.radii(scenario.size))
         self._sigma = sigma = max(scenario.nominal.relative or 0.0, LEAST)
         self._gains = gains(CHANGES * self._dt**2 / sigma)
@@ -52,10 +53,10 @@ class Avoidance:
         self._law = Law(
             radii + radii[self._row],
             np.where(others < self._row, YIELDS, INSISTS) + (scenario.nominal.relative or 0.0),
-            np.array(motors.limits),
-            np.array(motors.change),
-            min(STEER, float(motors.limits[1])),
-            min(ROUND * float(motors.limits[0]), ROUND_STEP / (RESPONSE + motors.delay * self._dt)),
+            np.array(limits),
+            np.minimum([body.acceleration * self._dt, body.turn_acceleration * self._dt], UNLIMITED),
+            min(STEER, float(limits[1])),
+            min(ROUND * float(limits[0]), ROUND_STEP / (RESPONSE + motors.delay * self._dt)),
             round(KEPT / self._dt),
         )
         self._tracks = start(scenario.size)

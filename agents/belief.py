@@ -8,8 +8,7 @@ neighbour is believed to be in its slot.
 import numpy as np
 
 from agents.controllers.interface import NeighborEstimate
-from agents.kernels.drifting import age_drifting
-from agents.kernels.unicycle import shift
+from agents.kernels.drifting import carry
 from formation.arrays import FloatArray
 from network.messages import Plan
 
@@ -44,11 +43,10 @@ class Belief:
         if plan is None or plan.inputs.shape != tail.shape:
             return NeighborEstimate(slot, tail, plan)
         elapsed = at - plan.begins  # negative if the sender looks further ahead
-        if elapsed >= len(plan.inputs) * plan.interval:
+        if elapsed >= len(tail) * plan.interval:
             return NeighborEstimate(slot, tail, plan)
-        pose, inputs = np.empty(3), np.empty_like(tail)
-        age_drifting(plan.pose, plan.inputs, plan.drift, elapsed, plan.interval, pose)
-        shift(plan.inputs, max(elapsed, 0.0), plan.interval, tail, inputs)
+        pose, inputs = np.empty(3), np.empty(tail.shape)
+        carry(plan.pose, plan.inputs, plan.drift, elapsed, plan.interval, tail, pose, inputs)
         return NeighborEstimate(pose, inputs, plan, max(elapsed, 0.0), plan.drift)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:

@@ -5,23 +5,21 @@ measured pose as it is, for controllers that are shown as they were printed.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from agents.kernels.window_state import LENGTH
+from agents.kernels.window.state import LENGTH
 from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
 from network.values import NO_MEASUREMENTS, NO_SUMS
 
-STILL: FloatArray = np.zeros(2)
+STILL, NONE, CERTAIN = np.zeros(2), np.zeros(3), np.zeros((3, 3))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Measurement:
+class Measurement(NamedTuple):
     """What sensors tell one robot at a tick."""
 
     tick: int
@@ -32,8 +30,7 @@ class Measurement:
     """(2,) position of the upstream neighbour in the own frame [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class Estimate(NamedTuple):
     """A robot where its next plan begins."""
 
     pose: FloatArray
@@ -50,6 +47,10 @@ class Estimate:
     """Localisations rejected in a row."""
     alarm_age: float
     """Since a disturbance was last detected, by the stamp of the measurement [s]; inf if never."""
+    input_disturbance: FloatArray
+    """(2,) what of the disturbance a command can make good: of v and omega [m/s, rad/s]."""
+    drift: FloatArray
+    """(2,) what it cannot, the lateral part in the world frame [m/s]."""
 
 
 class Estimator(Protocol):
@@ -76,8 +77,11 @@ class Estimator(Protocol):
         """The newest plan of the upstream neighbour, for the measurements that it carries."""
         ...
 
-    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
-        """The upstream neighbour at tick k as it is seen: pose (3,), and drift (2,) in the world frame [m/s]."""
+    def neighbour(self) -> tuple[FloatArray, FloatArray]:
+        """The upstream neighbour where the plan of the last estimate begins, as it is seen.
+
+        Pose (3,), and drift (2,) in the world frame [m/s].
+        """
         ...
 
     def odometry(self) -> FloatArray:
@@ -131,12 +135,12 @@ class LatestPose:
                 v, omega = self._odometry[t % LENGTH]
                 x, y, theta = unicycle.step(x, y, theta, v, omega, self._dt)
             pose = np.array([x, y, theta])
-        return Estimate(pose, self._speed, self._speed, np.zeros(3), np.zeros((3, 3)), 0, math.inf)
+        return Estimate(pose, self._speed, self._speed, NONE, CERTAIN, 0, math.inf, STILL, STILL)
 
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""
 
-    def neighbour(self, k: int, heard: Plan | None) -> tuple[FloatArray, FloatArray]:
+    def neighbour(self) -> tuple[FloatArray, FloatArray]:
         raise NotImplementedError("expected an estimator that sees")
 
     def odometry(self) -> FloatArray:

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from agents.kernels.learning import learn, tau_of
-from agents.kernels.learning import start as start_learning
-from agents.kernels.window_state import LENGTH
+from agents.kernels.learning import COMMANDS, start, tau_of
+from agents.kernels.window.state import LENGTH
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 
@@ -14,7 +13,7 @@ UNLIMITED = 1e9
 
 
 class MotorModel:
-    """The commands given so far, and what is believed of how the wheels follow them."""
+    """The commands given so far, and what is believed of how the wheels follow them; kernels learn in its memory."""
 
     def __init__(self, scenario: Scenario, limits: FloatArray) -> None:
         """What is known at the start.
@@ -25,34 +24,41 @@ class MotorModel:
         """
         wish, body, dt = scenario.estimator, scenario.nominal, scenario.control_interval
         self._dt = dt
-        self.limits = limits
-        self.change = np.minimum([body.acceleration * dt, body.turn_acceleration * dt], UNLIMITED)
-        """(2,) largest change of a wheel speed in a tick [m/s, rad/s]."""
         self.delay = body.delay if isinstance(wish.delay, str) else round(wish.delay / dt)
         """Ticks from a command to its effect."""
         self.lag = body.lag if isinstance(wish.lag, str) else wish.lag
         """Time constant of the wheels [s]."""
-        self._learns = (wish.delay == "learn", wish.lag == "learn")
-        self._learner = start_learning(self.delay, self.rate)
-        self.commands = np.zeros((LENGTH, 2))
-        """By the tick they were given, row k % LENGTH [m/s, rad/s]."""
-
-    @property
-    def rate(self) -> float:
+        self.rate = self._rate()
         """Share of the gap between command and wheel speed that a tick closes."""
+        self._learns_delay, self._learns_lag = wish.delay == "learn", wish.lag == "learn"
+        self.learns = self._learns_delay or self._learns_lag
+        """Whether `learnt` is to be called when kernels have changed the memory."""
+        change = np.minimum([body.acceleration * dt, body.turn_acceleration * dt], UNLIMITED)
+        self.memory = start(self.delay, self.rate, limits, change)
+        """The state, as compiled code takes it (agents/kernels/learning.py, Motors)."""
+
+    def _rate(self) -> float:
         return 1.0 - math.exp(-self._dt / self.lag) if self.lag > 0.0 else 1.0
 
     def command(self, k: int, v: float, omega: float) -> None:
         """A command was given at tick k."""
-        row = k % LENGTH
-        self.commands[row, 0], self.commands[row, 1] = v, omega
+        at = COMMANDS + 2 * (k % LENGTH)
+        self.memory[at], self.memory[at + 1] = v, omega
 
-    def observe(self, k: int, before: FloatArray, after: FloatArray) -> None:
-        """Wheel speeds (2,) over tick k - 1 and over tick k, which has just ended; learns from them."""
-        if not any(self._learns):
-            return
-        learn(self._learner, k, before, after, self.commands, self.limits, self.change, self._dt)
-        if self._learns[0]:
-            self.delay = int(self._learner.model[0])
-        if self._learns[1]:
-            self.lag = tau_of(float(self._learner.model[1]), self._dt)
+    @property
+    def commands(self) -> FloatArray:
+        """(LENGTH, 2) by the tick they were given, row k % LENGTH [m/s, rad/s]."""
+        return self.memory[COMMANDS : COMMANDS + 2 * LENGTH].reshape(-1, 2)
+
+    def acting(self, k: int) -> float:
+        """The commanded speed that took effect at tick k [m/s]."""
+        return float(self.memory[COMMANDS + 2 * ((k - self.delay) % LENGTH)])
+
+    def learnt(self) -> None:
+        """The model in the memory has changed: believe it, as far as it is to be learnt."""
+        delay, rho = self.memory[:2].tolist()
+        if self._learns_delay:
+            self.delay = int(delay)
+        if self._learns_lag:
+            self.lag = tau_of(rho, self._dt)
+            self.rate = self._rate()

@@ -1,4 +1,4 @@
-"""How exact it is: the figures of the README, each beside the bound it is held to.
+"""How exact it is: the figures of docs/figures.md, each beside the bound it is held to.
 
 python benchmarks/accuracy.py [--seeds 20] [--json]
 """

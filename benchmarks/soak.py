@@ -25,8 +25,8 @@ from websockets.typing import Origin, Subprotocol
 
 from benchmarks.controls import size
 from network.control import Compare
+from runtime.fork_server import ENVIRONMENT
 from runtime.precompile import ensure_compiled
-from runtime.supervisor import ENVIRONMENT
 from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
 from tests.browser.driven import READY, frames

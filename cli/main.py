@@ -2,9 +2,12 @@
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
+
+from cli.own_path import use_own_path
 
 COMMANDS = {
     "up": "start a live run: its processes and the dashboard",
@@ -14,9 +17,11 @@ COMMANDS = {
     "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "print the state of a live run",
-    "scenarios": "list the scenarios",
+    "scenarios": "list the scenarios, or the keys of a scenario",
+    "schema": "print the JSON schema of scenario files",
     "compose": "print a compose file for a scenario",
     "doctor": "check what a run needs",
+    "completion": "print a script for the shell's completion",
 }
 """Every command is a module of this room with `arguments(parser)` and `run(options)`."""
 
@@ -36,28 +41,54 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
     """
+    if arguments is None:
+        use_own_path()  # before anything else is imported
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if _starts_processes(words):
+        importlib.import_module("runtime.fork_server").start_early()
+    options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
+    return _guarded(options)
+
+
+def whole_parser() -> argparse.ArgumentParser:
+    """The parser with the arguments of all commands."""
+    return _commands(list(COMMANDS))
+
+
+def _commands(wanted: Sequence[str]) -> argparse.ArgumentParser:
+    """All commands, and the arguments of some."""
     parser = _Parser(prog="echelon", description="Formations of wheeled robots with a controller process each.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
-        if name in words[:1]:  # only this command's module is imported: some are slow to
+        if name in wanted:
             importlib.import_module(f"cli.{name}").arguments(command)
-    options = parser.parse_args(words)
-    return _guarded(options)
+    return parser
+
+
+def _starts_processes(words: Sequence[str]) -> bool:
+    """Whether the command will start a run's processes, as its bare words tell: a wrong guess costs time only."""
+    if not {"-h", "--help"}.isdisjoint(words):
+        return False
+    return words[:1] == ["up"] or (words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words))
 
 
 def _guarded(options: argparse.Namespace) -> int:
     module = importlib.import_module(f"cli.{options.command}")
     errors = importlib.import_module("formation.errors")
     try:
-        return int(module.run(options) or 0)
+        code = int(module.run(options) or 0)
+        sys.stdout.flush()
+        return code
     except errors.EchelonError as error:
         for line in str(error).splitlines():
             print(f"echelon {options.command}: {line}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
+    except BrokenPipeError:  # whoever reads what is printed has enough: `echelon scenarios --keys | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains when it ends
+        return 0
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ def _faults(name: str) -> list[dict[str, Any]]:
     """A value for the scenario's `faults`."""
     if name in PRESETS:
         return [{"preset": name}]
-    if not name.endswith(".toml"):
+    if not files.is_file(name):
         choices = ", ".join([*PRESETS, "FILE.toml"])
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
     entries = files.read(name).get("faults")

@@ -1,4 +1,4 @@
-"""Makes the README's pictures of the page: healthy.png and broken.png beside this file.
+"""Makes the pictures of the page: healthy.png and broken.png beside this file.
 
 .venv/bin/python -m docs.make_pictures [--chromium /usr/bin/chromium]
 """
@@ -6,7 +6,7 @@
 import argparse
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import ViewportSize, sync_playwright
 
 from network.control import SetFault
 from tests.browser.browser_run import BrowserRun
@@ -14,7 +14,7 @@ from tests.browser.conftest import FLAGS
 from tests.browser.driven import Driven
 
 HERE = Path(__file__).parent
-SIZE = {"width": 1680, "height": 980}
+SIZE = ViewportSize(width=1680, height=980)
 
 
 def dismiss_notices(driven: Driven) -> None:

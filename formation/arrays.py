@@ -17,3 +17,9 @@ def frozen(values: ArrayLike) -> FloatArray:
     array = np.array(values, dtype=np.float64, order="C")
     array.flags.writeable = False
     return array
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """The same array, which nobody else has yet, made read-only."""
+    array.flags.writeable = False
+    return array

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from formation.errors import FaultError, unknown
 from formation.schema import Duration, Model, NonNegative, Probability
@@ -60,7 +60,8 @@ class Fault(Model):
     loss: Annotated[Probability, Shown("loss {} %", "Loss", "%", 1e2, 100.0, 1.0, often=True, argument="SHARE")] = 0.0
     """Mean share of messages lost, such as 30%."""
     burst: Annotated[NonNegative, Shown("bursts of {}", "Burst length", "", 1.0, 50.0, 1.0, often=True)] = 0.0
-    """Mean number of messages lost in a row (Gilbert-Elliott); up to 1 / (1 - loss) losses are independent."""
+    """Mean number of messages lost in a row (Gilbert-Elliott) [messages]; up to 1 / (1 - loss) losses are
+    independent."""
     duplicate: Annotated[Probability, Shown("duplicates {} %", "Duplicate", "%", 1e2, 100.0, 1.0, argument="SHARE")] = (
         0.0
     )
@@ -70,7 +71,7 @@ class Fault(Model):
     keep_order: Annotated[bool, Shown("in order")] = False
     """Hold a message back until those sent before it have arrived."""
     rate: Annotated[NonNegative, Shown("at most {}/s", "At most", "/s", 1.0, 200.0, 5.0)] = 0.0
-    """Messages a second that pass, the others queue (at most QUEUE_LIMIT) or are lost; 0 means no limit."""
+    """Messages that pass [messages/s]; a few of the others queue, the rest is lost; 0 means no limit."""
     corrupt: Annotated[Probability, Shown("corrupts {} %", "Corrupt", "%", 1e2, 100.0, 1.0, argument="SHARE")] = 0.0
     """Share of messages with flipped bytes."""
     cut: Annotated[bool, Shown("cut")] = False
@@ -112,8 +113,9 @@ class ScheduledFault(Fault):
     until: Duration | None = None
     """Simulated time at which it ends [s]; never, if absent."""
     link: str = "all"
-    """A directed link such as "1->2", or "all" between robots."""
-    preset: str | None = None
+    """A directed link such as "1->2" (plans), "world->1" (poses) or "1->world" (commands); "all" means every link
+    between robots."""
+    preset: Annotated[str, Field(json_schema_extra={"enum": list(PRESETS)})] | None = None
     """Start from this preset; keys beside it refine it."""
 
     @model_validator(mode="after")

@@ -22,9 +22,11 @@ class Shape(PointFile):
     """Where the robots stand in the body frame: by the name of a shape, by offsets, or by a file of them."""
 
     shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
+    """The name of the shape."""
     spacing: Positive = 0.1
     """Distance between neighbours [m]."""
     robots: Annotated[int, Field(ge=2, le=MAX_ROBOTS)] | None = None
+    """How many, where the shape's name leaves that open."""
     offsets: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=2, max_length=MAX_ROBOTS)] | None = None
     """[[x, y], ...], x forward and y left [m]; their mean becomes zero."""
 
@@ -85,6 +87,7 @@ class Formation(Shape):
     """How fast a limited formation turns [rad/s]; if absent, so fast that its rotation moves no slot faster than
     a small share of the path's speed (formation/orientation.py)."""
     changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = ()
+    """Shapes that it takes later, in the order of their times."""
 
     @model_validator(mode="after")
     def _sized(self) -> "Formation":

@@ -1,10 +1,11 @@
 """The base of everything that is read from a scenario file: frozen, strict about unknown keys."""
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, GetJsonSchemaHandler
 
-from formation.units import seconds, share
+from formation.units import SECONDS, SHARE, seconds, share
 
 MAX_SCENARIO = 4 << 20
 """Bytes of a scenario, points included: as JSON it goes to every process."""
@@ -22,9 +23,25 @@ class Model(BaseModel):
     __hash__ = None  # type: ignore[assignment]
 
 
+UNIT = "x-unit"
+"""Where a JSON schema has the unit of a key whose docstring need not name it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """Of a number that may also be written as text: what a schema has to know of it."""
+
+    unit: str
+    pattern: str
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Either the number or its text."""
+        return {"anyOf": [handler(core), {"type": "string", "pattern": self.pattern}], UNIT: self.unit}
+
+
 Positive = Annotated[FiniteFloat, Field(gt=0.0)]
 NonNegative = Annotated[FiniteFloat, Field(ge=0.0)]
-Probability = Annotated[FiniteFloat, BeforeValidator(share), Field(ge=0.0, le=1.0)]
+Probability = Annotated[FiniteFloat, BeforeValidator(share), Field(ge=0.0, le=1.0), Written("share", SHARE)]
 """A share in 0..1, or text such as "30%"."""
-Duration = Annotated[FiniteFloat, BeforeValidator(seconds), Field(ge=0.0)]
+Duration = Annotated[FiniteFloat, BeforeValidator(seconds), Field(ge=0.0), Written("s", SECONDS)]
 """Seconds, or text such as "300ms"."""

@@ -1,6 +1,9 @@
 """Numbers with units as users write them: "300ms", "0.3s", "30%"."""
 
 _UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
+_NUMBER = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*"
+SECONDS, SHARE = rf"{_NUMBER}({'|'.join(_UNITS)})?\s*$", rf"{_NUMBER}%?\s*$"
+"""Patterns of such text, for editors."""
 
 
 def seconds(value: object) -> object:

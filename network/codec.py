@@ -27,7 +27,7 @@ _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
     kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)
 }
-_ADAPTERS: dict[type, TypeAdapter[Any]] = {kind: TypeAdapter(kind) for kind in _NAMES}
+_ADAPTERS: dict[type, TypeAdapter[Any]] = {}
 
 M = TypeVar("M", bound=Message)
 
@@ -95,9 +95,16 @@ def decode(kind: type[M], payload: bytes) -> M:
     if name != _NAMES[kind]:
         raise WireError(f"expected a {_NAMES[kind]}; got {name!r:.40}")
     try:
-        message: M = _ADAPTERS[kind].validate_python(body)
+        message: M = _adapter(kind).validate_python(body)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         place = ".".join(str(part) for part in first["loc"]) or name
         raise WireError(f"{place:.60}: {first['msg']}") from None
     return message
+
+
+def _adapter(kind: type) -> TypeAdapter[Any]:
+    """Made when the first message of a kind comes in: no process receives all kinds."""
+    if kind not in _ADAPTERS:
+        _ADAPTERS[kind] = TypeAdapter(kind)
+    return _ADAPTERS[kind]

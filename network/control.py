@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
@@ -15,31 +15,37 @@ from network.messages import Request
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
-class Start(Model):
+class _Operation(Model):
+    """A request to the world, or a value of a reply. Its validator is made when the first one comes in."""
+
+    model_config = ConfigDict(defer_build=True)
+
+
+class Start(_Operation):
     """Start, or continue."""
 
 
-class Pause(Model):
+class Pause(_Operation):
     """Stop simulated time after the current tick."""
 
 
-class Step(Model):
+class Step(_Operation):
     """Pause, then run this many ticks."""
 
     ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
 
 
-class Reset(Model):
+class Reset(_Operation):
     """Start a new episode."""
 
 
-class Speed(Model):
+class Speed(_Operation):
     """Simulated seconds per second; 0 means as fast as possible."""
 
     speed: Annotated[NonNegative, Field(le=1000.0)]
 
 
-class SetFault(Model):
+class SetFault(_Operation):
     """Change keys of a link's fault, for some simulated time or until further notice."""
 
     link: str = "all"
@@ -48,7 +54,7 @@ class SetFault(Model):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class SetPreset(Model):
+class SetPreset(_Operation):
     """Give a link the fault of a preset."""
 
     link: str = "all"
@@ -56,13 +62,13 @@ class SetPreset(Model):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class Clear(Model):
+class Clear(_Operation):
     """Remove the faults that users set on a link, and end the scheduled ones that are active now."""
 
     link: str = "all"
 
 
-class UseScenario(Model):
+class UseScenario(_Operation):
     """Switch to another scenario."""
 
     scenario: str
@@ -71,47 +77,47 @@ class UseScenario(Model):
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
-class UseController(Model):
+class UseController(_Operation):
     """Start the same scenario again with another controller."""
 
     controller: str
 
 
-class Kill(Model):
+class Kill(_Operation):
     """Have the launcher kill an agent (SIGKILL); it stays down until `Restart`."""
 
     robot: Robot
 
 
-class Restart(Model):
+class Restart(_Operation):
     """Have the launcher start a killed agent again, or replace a live one."""
 
     robot: Robot
 
 
-class Compare(Model):
+class Compare(_Operation):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
     controller: Annotated[str, AfterValidator(lambda name: check_name(name, "off"))]
     """A name, or "off"."""
 
 
-class Stop(Model):
+class Stop(_Operation):
     """End the run and its processes."""
 
 
-class GetSetup(Model):
+class GetSetup(_Operation):
     """Answered by a Setup instead of a Reply."""
 
 
-class GetFaults(Model):
+class GetFaults(_Operation):
     """The reply's value is a FaultTables: the fault tables of this episode so far, in parts."""
 
     known: Annotated[int, Field(ge=0)] = 0
     """Number of tables to leave out, because the client has them."""
 
 
-class FaultTables(Model):
+class FaultTables(_Operation):
     """Fault tables of an episode: every link that is not perfect, from each stamp on."""
 
     episode: int
@@ -121,7 +127,7 @@ class FaultTables(Model):
     """The first table of an episode is the one at t = 0."""
 
 
-class GetSummary(Model):
+class GetSummary(_Operation):
     """The reply's value is the summary of the episode."""
 
     warmup: NonNegative = 0.0

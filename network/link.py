@@ -8,7 +8,6 @@ import hashlib
 import heapq
 import math
 import struct
-from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Generic, NamedTuple, TypeVar
 
@@ -27,8 +26,7 @@ T = TypeVar("T")
 _WORDS = struct.Struct("<8Q")
 
 
-@dataclass(frozen=True, slots=True)
-class Arrival(Generic[T]):
+class Arrival(NamedTuple, Generic[T]):
     """A delivered message."""
 
     seq: int
@@ -118,6 +116,8 @@ class Link(Generic[T]):
 
     def pop(self, now: float) -> list[Arrival[T]]:
         """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
+        if not self._heap:
+            return []
         due = []
         while self._heap and self._heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
             due.append(heapq.heappop(self._heap)[2])
@@ -127,7 +127,7 @@ class Link(Generic[T]):
     def _carry(self, due: float, arrival: Arrival[T]) -> None:
         if self._fault.keep_order and due < self._latest:
             due = self._latest
-            arrival = replace(arrival, due=due)
+            arrival = arrival._replace(due=due)
         self._latest = max(due, self._latest)
         self._order += 1
         heapq.heappush(self._heap, (due, self._order, arrival))

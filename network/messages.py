@@ -113,6 +113,8 @@ class Plan:
     """The newest preview of the path that it knows; empty where every robot knows the path."""
     lost: Flag = False
     """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""
+    number: Count = 0
+    """Of the plans that the sender sent in this episode, from 0: a gap is a loss, a plan that was not sent is none."""
     __pydantic_config__ = STRICT
 
     @property

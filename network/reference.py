@@ -1,4 +1,4 @@
-"""The table of messages as README has it, made of network/topics.py: `python -m network.reference` prints it."""
+"""The table of topics as the manual has it, made of network/topics.py: `python -m network.reference` prints it."""
 
 import sys
 

@@ -1,7 +1,7 @@
 """The topics of a run, in one table: key, message, sender, rate, reliability, what is recorded.
 
-Key expressions, the names in network/codec.py, staleness limits and README's table (network/reference.py) follow from
-it. A new topic is a line of TOPICS and a message in network/messages.py.
+Key expressions, the names in network/codec.py, staleness limits and the manual's table (network/reference.py) follow
+from it. A new topic is a line of TOPICS and a message in network/messages.py.
 """
 
 import math

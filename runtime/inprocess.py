@@ -39,6 +39,11 @@ class Simulation:
         return Agent(world.scenario, robot, episode=world.episode, controller=member)
 
     @property
+    def plans(self) -> list[Plan]:
+        """The plans that were sent at the last tick."""
+        return self._plans
+
+    @property
     def trace(self) -> Trace:
         """The trace so far."""
         assert self.world.trace is not None  # only an endless world keeps none

@@ -14,6 +14,7 @@ from agents.kernels.jit_cache import (
     writable,
 )
 from formation.errors import EchelonError
+from runtime.own_code import own_code
 
 
 def ensure_compiled(tell: Callable[[str], None]) -> None:
@@ -36,7 +37,8 @@ def ensure_compiled(tell: Callable[[str], None]) -> None:
         )
     tell("compiling the solver (once on this machine, about half a minute) ...")
     command = [sys.executable, "-c", f"import {', '.join(KERNEL_MODULES)}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    with own_code():
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise EchelonError(
             f"the solver cannot be compiled: {(done.stderr.strip().splitlines() or ['no reason given'])[-1]}"

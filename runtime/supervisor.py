@@ -1,8 +1,7 @@
 """Starts the processes of a run, restarts those that die, and leaves none behind."""
 
+import gc
 import importlib
-import multiprocessing
-import os
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -13,6 +12,7 @@ from time import monotonic
 from setproctitle import setproctitle
 
 from formation.errors import EchelonError
+from runtime import fork_server
 from runtime.process_list import Program
 
 STOP_SECONDS = 3.0
@@ -21,15 +21,6 @@ RESTART_SECONDS = 0.2
 """Delay before a dead process is started again [s]."""
 MAX_DEATHS, DEATH_WINDOW = 5, 10.0
 """A process that dies more often than this within the window [s] ends the run."""
-_ZENOH_STAGES = ("app", "acc", "net", "rx", "tx")
-ENVIRONMENT = {
-    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"),
-    "SPT_NOENV": "1",
-    "ZENOH_RUNTIME": "(" + ", ".join(f"{stage}: (worker_threads: 1)" for stage in _ZENOH_STAGES) + ")",
-}
-"""For the processes of a run: small matrices gain nothing from threads, and threads do not survive a fork; and a
-process with two or three links is served faster by one thread per stage of Zenoh than by several; and titles leave the
-environment readable from outside."""
 
 
 class Supervisor:
@@ -42,11 +33,8 @@ class Supervisor:
             run: its name, for the processes' titles.
             tell: called with a line for the user when a process dies and is restarted.
         """
-        for variable, value in ENVIRONMENT.items():
-            os.environ.setdefault(variable, value)
         self._run, self._tell = run, tell
-        self._context = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload(["runtime.preload"])
+        self._context = fork_server.context()
         self._running: dict[Program, BaseProcess] = {}
         self._again: dict[Program, float] = {}
         self._deaths: dict[Program, deque[float]] = {}
@@ -59,6 +47,7 @@ class Supervisor:
     def start(self, programs: Iterable[Program]) -> None:
         """Start processes."""
         for program in programs:
+            fork_server.start()
             process = self._context.Process(
                 target=_enter, args=(program.module, program.arguments, f"echelon {self._run}: {program.name}")
             )
@@ -133,5 +122,6 @@ def _cause(code: int) -> str:
 
 def _enter(module: str, arguments: tuple[str, ...], title: str) -> None:
     """Entry of one process, in a child of the fork server."""
+    gc.enable()
     setproctitle(title)
     sys.exit(importlib.import_module(f"{module}.__main__").main(list(arguments)))

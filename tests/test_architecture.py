@@ -58,7 +58,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"kernels", "states"},
         {"controllers"},
         {"belief", "estimator", "motor_model"},
-        {"window_estimator", "plan_receiver", "avoidance"},
+        {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},
         {"process"},

@@ -30,25 +30,27 @@ class CommandLinks:
         for link in self._links.values():
             link.fault = faults.get(link.id, PERFECT)
 
-    def push(self, robot: int, command: Command | None, now: float) -> None:
-        """A robot's command of this tick enters its link, if there is one; take what the link delivers."""
+    def take(self, robot: int, command: Command | None, now: float) -> tuple[float, float]:
+        """A robot's command of this tick enters its link, if there is one; the input (v, omega) that it acts on now.
+
+        That is the newest command that the link has delivered, or zeros while the watchdog holds the robot.
+        """
         link = self._links[robot]
         if command is not None and link.transparent:
             self._newest[robot], self._fresh[robot] = command, now
-        elif command is not None:
+            self.held.discard(robot)
+            return command.v, command.omega
+        if command is not None:
             link.push(command.seq, command.stamp, command)
         for arrival in link.pop(now):
             arrived = _read(arrival)
             if arrived and (robot not in self._newest or arrived.seq > self._newest[robot].seq):
                 self._newest[robot], self._fresh[robot] = arrived, now
-
-    def input(self, robot: int, now: float) -> tuple[float, float]:
-        """The newest command (v, omega), or zeros while the watchdog holds the robot; keeps `held` up to date."""
-        command = self._newest.get(robot)
-        stale = command is None or now - self._fresh[robot] > WATCHDOG + 1e-9
-        if stale != (robot in self.held) and (command is not None or now > WATCHDOG):
+        newest = self._newest.get(robot)
+        stale = newest is None or now - self._fresh[robot] > WATCHDOG + 1e-9
+        if stale != (robot in self.held) and (newest is not None or now > WATCHDOG):
             self.held ^= {robot}
-        return (0.0, 0.0) if stale or command is None else (command.v, command.omega)
+        return (0.0, 0.0) if stale or newest is None else (newest.v, newest.omega)
 
 
 def _read(arrival: Arrival[Command]) -> Command | None:

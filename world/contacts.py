@@ -1,5 +1,6 @@
 """Contacts and clearance of the bodies, commands at a limit or changed to keep off, and robots outside the arena."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,7 +26,9 @@ class Contacts:
         given = np.array(radii)
         self._one, self._other = np.triu_indices(len(given), k=1)
         self._sums: FloatArray = given[self._one] + given[self._other]
+        self._alike = float(self._sums[0]) if np.all(self._sums == self._sums[0]) else None
         self._touching = np.zeros(len(self._one), dtype=bool)
+        self._any = False
         self.count = 0
         """Pairs that came to touch, so far."""
         self.clearance = np.inf
@@ -35,15 +38,18 @@ class Contacts:
 
     def look(self, poses: FloatArray) -> list[tuple[int, int]]:
         """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
-        apart = poses[self._one, :2] - poses[self._other, :2]
-        distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
-        gap = distance - self._sums
-        self.clearance, least = min(self.clearance, float(distance.min())), float(gap.min())
-        self.gap = min(self.gap, least)
-        if least >= RELEASE and not self._touching.any():
+        apart = poses.take(self._one, axis=0) - poses.take(self._other, axis=0)
+        x, y = apart[:, 0], apart[:, 1]
+        square = x * x + y * y
+        nearest = math.sqrt(square.min())
+        if self._alike is not None and nearest - self._alike >= RELEASE and not self._any:
+            self.clearance, self.gap = min(self.clearance, nearest), min(self.gap, nearest - self._alike)
             return []
+        gap = np.sqrt(square) - self._sums
+        self.clearance, self.gap = min(self.clearance, nearest), min(self.gap, float(gap.min()))
         new = (gap < 0.0) & ~self._touching
         self._touching = (gap < 0.0) | (self._touching & (gap < RELEASE))
+        self._any = bool(self._touching.any())
         self.count += int(new.sum())
         return [(int(self._one[at]) + 1, int(self._other[at]) + 1) for at in np.flatnonzero(new)]
 
@@ -75,7 +81,8 @@ class Excursions:
 
     def add(self, inputs: FloatArray, poses: FloatArray) -> None:
         """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
-        self._at_limit += (np.abs(inputs) >= self._limits).any(axis=1)
+        at = np.abs(inputs) >= self._limits
+        self._at_limit += at[:, 0] | at[:, 1]
         if self._arena is not None:
             low, high = self._arena[:2], self._arena[2:]
             self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)

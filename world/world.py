@@ -122,9 +122,7 @@ class World:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
         held = set(self._commands.held)
-        for robot in self.robots:
-            self._commands.push(robot, commands.get(robot), now)
-        inputs = np.array([self._commands.input(robot, now) for robot in self.robots])
+        inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
         self._watch(held)
         self.plant.move(inputs)
         if self.trace:
@@ -134,7 +132,7 @@ class World:
             self.event("agent", f"robot {robot}: its solver {text}", severity)
         for robot, other in self.excursions.keep_off(commands, now):
             self.event("avoidance", f"robot {robot} keeps off robot {other}")
-        self._planned = sorted(robot for robot, command in commands.items() if command.planned)
+        self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
         self._look()

@@ -56,3 +56,8 @@ class Consensus:
         )
         converged = bool(np.isfinite(out).all())  # a peer's plan may hold any finite number
         return Solution(out if converged else np.zeros_like(out), converged)
+
+
+def make(scenario: Scenario, robot: int, task: Task) -> Consensus:
+    """The controller of one robot."""
+    return Consensus(scenario, task)

@@ -1,8 +1,10 @@
-"""The interface of a controller: its observation at a planning tick, and its solution."""
+"""The interface of a controller: its observation at a planning tick, and its solution.
+
+They are NamedTuples: a frozen dataclass takes four times as long to make, and there are four a plan.
+"""
 
 import math
-from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -16,8 +18,7 @@ NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NeighborEstimate:
+class NeighborEstimate(NamedTuple):
     """A neighbour in the ring where the horizon begins."""
 
     pose: FloatArray
@@ -28,14 +29,13 @@ class NeighborEstimate:
     """The message behind it; None before the first."""
     age: float = math.inf
     """Since that plan began [s], at least 0; inf without one, or when it has ended."""
-    drift: FloatArray = field(default_factory=lambda: STILL)
+    drift: FloatArray = STILL
     """(2,) what carries it sideways, in the world frame [m/s]."""
     seen: bool = False
     """Whether the pose comes from relative sensing, rather than from the plan alone."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Observation:
+class Observation(NamedTuple):
     """The robot where its plan begins, and what it knows of its neighbours. New fields have defaults."""
 
     k: int
@@ -45,11 +45,11 @@ class Observation:
     upstream: NeighborEstimate
     downstream: NeighborEstimate | None = None
     """None unless the controller hears both neighbours."""
-    speed: FloatArray = field(default_factory=lambda: STILL)
+    speed: FloatArray = STILL
     """(2,) speeds of the wheels there [m/s, rad/s]."""
-    disturbance: FloatArray = field(default_factory=lambda: NONE)
+    disturbance: FloatArray = NONE
     """(3,) estimated body velocity that no command makes: forward, lateral [m/s], turn [rad/s]."""
-    covariance: FloatArray = field(default_factory=lambda: CERTAIN)
+    covariance: FloatArray = CERTAIN
     """(3, 3) of the estimated pose."""
     alarm_age: float = math.inf
     """Since the last detection of a disturbance of the own robot [s]."""
@@ -65,8 +65,7 @@ class Observation:
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Solution:
+class Solution(NamedTuple):
     """A controller's result."""
 
     inputs: FloatArray
@@ -76,7 +75,7 @@ class Solution:
     lag: float = 0.0
     lag_rate: float = 0.0
     waits: bool = False
-    news: FloatArray = field(default_factory=lambda: NO_NEWS)
+    news: FloatArray = NO_NEWS
     """As in network.messages.Plan."""
     motion: FloatArray | None = None
     """(N, 2) mean body velocities that the inputs lead to, for the plan; the inputs themselves if None."""
@@ -87,6 +86,23 @@ class Controller(Protocol):
 
     def plan(self, observation: Observation) -> Solution:
         """Inputs from now on."""
+        ...
+
+
+class Team(Protocol):
+    """Plans for all robots at once, in one process; reads no clock."""
+
+    @property
+    def lag(self) -> float:
+        """How far the reference time of all is behind the clock [s]."""
+        ...
+
+    def see(self, k: int, poses: FloatArray) -> None:
+        """Take the true poses (n, 3) of tick k, before any member plans."""
+        ...
+
+    def member(self, robot: int) -> Controller:
+        """The controller of one robot: its part of the plan."""
         ...
 
 

@@ -70,3 +70,8 @@ class Leader:
         slot, tail = self._task.slot(observation.k, 1)
         alone = type(observation.upstream)(slot, tail, None)
         return self._nash.plan(Observation(observation.k, observation.pose, alone))
+
+
+def make(scenario: Scenario, robot: int, task: Task) -> Leader | Follower:
+    """The controller of one robot."""
+    return (Leader if robot == 1 else Follower)(scenario, robot, task)

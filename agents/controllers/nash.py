@@ -14,7 +14,7 @@ SPEED, TURN = 0.01, 0.4
 """R of a speed of one spacing per second, and of a turn rate of 1 rad/s, beyond the slot's."""
 
 
-def nash(scenario: Scenario, robot: int, task: Task) -> Controller:
+def make(scenario: Scenario, robot: int, task: Task) -> Controller:
     """The controller of one robot."""
     own, spacing = options_of(scenario, NashOptions), scenario.spacing
     if own.game == "pair":

@@ -75,3 +75,8 @@ class Paper:
         distance = float(wanted.distance[0])
         centre = np.full(2, math.sqrt(3.0) / 6.0 * distance) if self._infeasible else np.array(wanted.centre[0])
         return distance, float(wanted.angle[0]), centre
+
+
+def make(scenario: Scenario, robot: int, task: Task) -> Paper:
+    """The controller of one robot."""
+    return Paper(scenario, robot, task)

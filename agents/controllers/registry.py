@@ -1,32 +1,16 @@
-"""How each controller is made, by name. A controller is a module of its own, and a line here.
+"""How a controller is made: the module of its name has a function `make`, or `Team` for one that plans for all robots.
 
-formation/scenario/registry.py has the options and the spec of each of these names.
+A process loads the controllers that it uses, and no others: their kernels take tens of milliseconds each.
+formation/scenario/registry.py has the options and the spec of each name.
 """
 
-from collections.abc import Callable
+import importlib
+from typing import Any, cast
 
-from agents.controllers.centralised import Team
-from agents.controllers.consensus import Consensus
-from agents.controllers.interface import Controller
-from agents.controllers.leader_follower import Follower, Leader
-from agents.controllers.nash import nash
-from agents.controllers.paper import Paper
+from agents.controllers.interface import Controller, Team
 from agents.controllers.task import Task
-from agents.controllers.virtual_structure import virtual_structure
-from formation.scenario.registry import refusal
+from formation.scenario.registry import IN_PROCESS, refusal
 from formation.scenario.scenario import Scenario
-
-Make = Callable[[Scenario, int, Task], Controller]
-MAKES: dict[str, Make] = {
-    "nash": nash,
-    "paper": Paper,
-    "leader_follower": lambda scenario, robot, task: (Leader if robot == 1 else Follower)(scenario, robot, task),
-    "virtual_structure": lambda scenario, _, task: virtual_structure(scenario, task),
-    "consensus": lambda scenario, _, task: Consensus(scenario, task),
-}
-"""Of one robot, its number and its pair."""
-TEAMS: dict[str, Callable[[Scenario], Team]] = {"centralised": Team}
-"""Of all robots at once; runtime/inprocess.py gives each agent its part."""
 
 
 def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
@@ -35,13 +19,17 @@ def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
     Raises:
         ScenarioError: the controller is one for all robots, which no robot can have for itself.
     """
-    make = MAKES.get(scenario.controller.name)
-    if make is None:
-        raise refusal(scenario.controller.name)
-    return make(scenario, robot, task)
+    name = scenario.controller.name
+    if name in IN_PROCESS:
+        raise refusal(name)
+    return cast(Controller, _module(name).make(scenario, robot, task))
 
 
 def team_for(scenario: Scenario) -> Team | None:
     """The scenario's controller for all robots at once; None if each robot has its own."""
-    make = TEAMS.get(scenario.controller.name)
-    return make(scenario) if make else None
+    name = scenario.controller.name
+    return cast(Team, _module(name).Team(scenario)) if name in IN_PROCESS else None
+
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"agents.controllers.{name}")

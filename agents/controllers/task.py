@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.kernels.unicycle import sample
-from agents.kernels.window_filter import Table
+from agents.kernels.window.filter import Table
 from formation.arrays import FloatArray
 from formation.pattern import downstream, rotate, upstream
 from formation.reference import Block
@@ -54,7 +54,7 @@ class Task:
         self.columns_of_sides = (1, 3)
         """Columns of the upstream and the downstream neighbour."""
         self.lag = 0.0
-        """How far the robot's reference time is behind the clock [s] (agents/controllers/waiting.py, pair_waiting.py)."""
+        """How far the robot's reference time is behind the clock [s]; waiting sets it."""
         self.pace = 1.0
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None

@@ -16,7 +16,7 @@ SPEED, TURN = 0.01, {False: 0.5, True: 0.4}
 has the jitter of `nash`."""
 
 
-def virtual_structure(scenario: Scenario, task: Task) -> BestResponse:
+def make(scenario: Scenario, robot: int, task: Task) -> BestResponse:
     """The controller of one robot."""
     own, spacing = options_of(scenario, VirtualStructureOptions), scenario.spacing
     speed, turn = (own.r[0] * spacing**2, own.r[1]) if own.r else (SPEED, TURN[own.sees])

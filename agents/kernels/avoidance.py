@@ -120,6 +120,8 @@ def see(t: Tracks, law: Law, at: int, places: FloatArray, alpha: float, beta: fl
     c, s = math.cos(own[2]), math.sin(own[2])
     for i in range(len(places)):
         j = int(places[i, 0])
+        if not 0 <= j < len(t.seen):
+            continue
         x, y = own[0] + c * places[i, 1] - s * places[i, 2], own[1] + s * places[i, 1] + c * places[i, 2]
         body, seen = t.body[j], t.seen[j]
         if seen[1] == 0 or at - seen[0] > law.kept:

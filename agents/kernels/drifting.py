@@ -2,8 +2,8 @@
 
 import math
 
-from agents.kernels.jit import kernel
-from agents.kernels.unicycle import step
+from agents.kernels.jit import MATRIX, MATRIX_OUT, NOTHING, REAL, STRIDED, VECTOR, VECTOR_OUT, kernel, kernel_for
+from agents.kernels.unicycle import shift, step
 from formation.arrays import FloatArray
 
 
@@ -45,6 +45,28 @@ def age_drifting(
         x, y, theta = step(x, y, theta, inputs[j, 0], inputs[j, 1], min(left, interval))
         left -= interval
     out[0], out[1], out[2] = x + drift[0] * elapsed, y + drift[1] * elapsed, theta
+
+
+@kernel_for(NOTHING, VECTOR, MATRIX, VECTOR, REAL, REAL, STRIDED, VECTOR_OUT, MATRIX_OUT)
+def carry(
+    pose: FloatArray,
+    inputs: FloatArray,
+    drift: FloatArray,
+    elapsed: float,
+    interval: float,
+    tail: FloatArray,
+    out: FloatArray,
+    out_inputs: FloatArray,
+) -> None:
+    """A plan carried forward: pose, out (3,), and inputs, out_inputs (N, 2), `elapsed` after it begins.
+
+    Args:
+        pose, inputs, drift, elapsed, interval: see `age_drifting`.
+        tail: (N, 2) inputs for when the plan has ended.
+        out, out_inputs: results.
+    """
+    age_drifting(pose, inputs, drift, elapsed, interval, out)
+    shift(inputs, max(elapsed, 0.0), interval, tail, out_inputs)
 
 
 @kernel

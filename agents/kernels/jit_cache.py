@@ -19,8 +19,8 @@ from pathlib import Path
 from formation.errors import EchelonError
 
 _HERE = Path(__file__).parent
-_FILES = [file for file in sorted(_HERE.glob("*.py")) if file.stem not in ("__init__", "jit", "jit_cache")]
-KERNEL_MODULES = [f"agents.kernels.{file.stem}" for file in _FILES]
+_FILES = [file for file in sorted(_HERE.rglob("*.py")) if file.stem not in ("__init__", "jit", "jit_cache")]
+KERNEL_MODULES = [".".join(("agents.kernels", *file.relative_to(_HERE).with_suffix("").parts)) for file in _FILES]
 """Every module of kernels; importing one compiles it."""
 _SOURCES = [*_FILES, _HERE / "jit.py", _HERE.parents[1] / "formation" / "unicycle.py"]
 _CPUINFO = Path("/proc/cpuinfo")

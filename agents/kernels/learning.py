@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.kernels.jit import FLAG, MATRIX, MATRIX_OUT, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for, named
-from agents.kernels.window_state import LENGTH
+from agents.kernels.jit import kernel
+from agents.kernels.window.state import LENGTH
 from formation.arrays import FloatArray
 
 CANDIDATES = 61
@@ -33,63 +33,83 @@ GUESS = 0.3
 """Fits of rho lean on the rho believed in with this much of an excitation of FLOOR: no division by nothing."""
 
 
-class Learner(NamedTuple):
-    """What a robot has learnt."""
+class Motors(NamedTuple):
+    """What a robot knows of its motors: commands given, limits, and what it has learnt."""
 
-    sums: FloatArray
-    """(CANDIDATES, 2): sums over the last ticks of u u and u y, with u = c[t-d] - w and y the change of w."""
-    energy: FloatArray
-    """(2,): sum of y y, and of the weights of ticks."""
     model: FloatArray
     """(4,): delay [ticks] and rho that are believed in; the best candidate, and for how many ticks it was."""
+    energy: FloatArray
+    """(2,): sum of y y, and of the weights of ticks, where y is a change of wheel speed."""
+    limits: FloatArray
+    """(2,) of |v| and |omega| [m/s, rad/s]."""
+    change: FloatArray
+    """(2,) largest change of a wheel speed in a tick [m/s, rad/s]."""
+    sums: FloatArray
+    """(CANDIDATES, 2): sums over the last ticks of u u and u y, with u = c[t-d] - w."""
+    commands: FloatArray
+    """(LENGTH, 2) by the tick they were given, row t % LENGTH [m/s, rad/s]."""
 
 
-LEARNER = named(Learner, MATRIX_OUT, VECTOR_OUT, VECTOR_OUT)
+_SUMS, COMMANDS = 10, 10 + 2 * CANDIDATES
+"""Where sums and commands begin in the flat array."""
 
 
-def start(delay: int, rate: float) -> Learner:
-    """A learner that believes in this delay [ticks] and rho until it knows better."""
-    return Learner(np.zeros((CANDIDATES, 2)), np.zeros(2), np.array([float(delay), rate, float(delay), 0.0]))
+def _motors_of(flat: FloatArray) -> Motors:
+    """The motors that lie in one array, as views of it: compiled code takes that array."""
+    return Motors(
+        flat[:4],
+        flat[4:6],
+        flat[6:8],
+        flat[8:_SUMS],
+        flat[_SUMS:COMMANDS].reshape((CANDIDATES, 2)),
+        flat[COMMANDS : COMMANDS + 2 * LENGTH].reshape((LENGTH, 2)),
+    )
+
+
+motors_of = kernel(_motors_of)
+
+
+def view(flat: FloatArray) -> Motors:
+    """The motors that lie in one array: views of it, not a copy."""
+    return _motors_of(flat)
+
+
+def start(delay: int, rate: float, limits: FloatArray, change: FloatArray) -> FloatArray:
+    """Motors that were never commanded, of this delay [ticks] and rho until more is known; limits as in Motors."""
+    flat = np.zeros(COMMANDS + 2 * LENGTH)
+    motors = view(flat)
+    motors.model[:] = delay, rate, delay, 0.0
+    motors.limits[:], motors.change[:] = limits, change
+    return flat
 
 
 @kernel
-def _rate(m: Learner, d: int) -> float:
+def _rate(m: Motors, d: int) -> float:
     """rho that fits best with delay d."""
     return float(min(max((m.sums[d, 1] + GUESS * m.model[1]) / (m.sums[d, 0] + GUESS), SLOWEST), 1.0))
 
 
 @kernel
-def _misfit(m: Learner, d: int) -> float:
+def _misfit(m: Motors, d: int) -> float:
     """What delay d leaves unexplained of the last changes of wheel speed, in units of FLOOR squared."""
     rho = _rate(m, d)
     return float(m.energy[0] - 2.0 * rho * m.sums[d, 1] + rho * rho * m.sums[d, 0])
 
 
-@kernel_for(FLAG, LEARNER, WHOLE, VECTOR, VECTOR, MATRIX, VECTOR, VECTOR, REAL)
-def learn(
-    m: Learner,
-    t: int,
-    before: FloatArray,
-    after: FloatArray,
-    commands: FloatArray,
-    limits: FloatArray,
-    change: FloatArray,
-    dt: float,
-) -> bool:
+@kernel
+def learn(m: Motors, t: int, before: FloatArray, after: FloatArray, dt: float) -> bool:
     """Take odometry of tick t.
 
     Args:
         m: changed.
         t: tick.
         before, after: (2,) wheel speeds of tick t - 1 and t [m/s, rad/s].
-        commands: (LENGTH, 2) by the tick they were given.
-        limits: (2,) of |v| and |omega|.
-        change: (2,) largest change of a wheel speed in a tick.
         dt: [s].
 
     Returns:
-        Whether the delay believed in changed.
+        Whether the delay or the rho believed in changed.
     """
+    limits, change, commands = m.limits, m.change, m.commands
     keep = math.exp(-dt / MEMORY)
     m.energy[0] *= keep
     m.energy[1] = m.energy[1] * keep + 1.0
@@ -122,6 +142,7 @@ def learn(
         return True
     if best == now and m.sums[now, 0] > EVIDENCE * variance:
         m.model[1] = _rate(m, now)
+        return True
     return False
 
 

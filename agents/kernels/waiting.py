@@ -11,21 +11,26 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.drifting import age_drifting, between
-from agents.kernels.jit import (
-    FLAG,
-    MATRIX,
-    MATRIX_OUT,
-    NOTHING,
-    REAL,
-    VECTOR,
-    VECTOR_OUT,
-    WHOLE,
-    WHOLE_VECTOR_OUT,
-    kernel,
-    kernel_for,
-    named,
+from agents.kernels.jit import kernel
+from agents.kernels.waiting_state import (
+    AWAY,
+    DOUBTED,
+    INTEGRAL,
+    LAG,
+    NEED,
+    PACE,
+    PAST,
+    PEAK,
+    PLANNED,
+    RATE,
+    SHORT,
+    SINCE,
+    SPEED,
+    UNABLE,
+    WAITS,
+    Wait,
 )
-from formation.arrays import FloatArray, IntArray
+from formation.arrays import FloatArray
 
 CHARGE, LEAK = 0.1, 1.5
 """The integral: time constant of p [s], and what it loses [1/s]."""
@@ -56,51 +61,9 @@ CARRIED, CARRIED_TIME, CARRIED_TICKS, EARLY = 0.003, 0.16, 60, 20
 """A robot that got backwards or sideways by more than 3 mm and 4 standard deviations of its position within 0.16 s is
 carried away, not unable to move: for 0.6 s what it did not make is no reason to wait. Only before it waits, and 0.2 s
 into it: later a stuck robot's estimate runs ahead and is pulled back."""
-PAST = 16
 DOUBT, DOUBTS, DOUBT_AGAIN = 3, 30, 100
 """Where so many localisations in a row were rejected, where the robot is shows 0.3 s later: until then it does not
 begin to wait; at most once a second."""
-NEED, RATE, SHORT, INTEGRAL, LAG, PACE, PEAK, SPEED = range(8)
-"""Columns of `real`: n [s], r, short [spacings], I, lag [s], pace, peak of |omega_r| [rad/s], reached speed [m/s]."""
-WAITS, UNABLE, PLANNED, AWAY, SINCE, DOUBTED = range(6)
-"""Columns of `whole`: 1 while waiting; tick before which the robot is not able; 1 once there is a last plan; tick
-before which it counts as carried away; tick at which it began to wait, and at which it doubted
-where it is."""
-
-
-class Wait(NamedTuple):
-    """The waiting of one robot, or with a leading axis of n robots."""
-
-    real: FloatArray
-    """(8,)"""
-    whole: IntArray
-    """(6,)"""
-    pose: FloatArray
-    """(3,) at the stamp of the last plan."""
-    velocities: FloatArray
-    """(N, 2) of the last plan, as planned [m/s, rad/s]."""
-    drift: FloatArray
-    """(2,) of the last plan [m/s]."""
-    news: FloatArray
-    """(n, 3) n [s], r, stamp in ticks (-1: none) of every robot, the own included."""
-    past: FloatArray
-    """(PAST, 3) poses at the stamps of the last plans, newest first; x is NaN where there is none."""
-
-
-LONG_AGO = -1000
-"""Tick of a doubt that never was."""
-WAIT = named(Wait, VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, MATRIX_OUT, VECTOR_OUT, MATRIX_OUT, MATRIX_OUT)
-
-
-def start(robots: int, steps: int) -> Wait:
-    """Nobody waits."""
-    real = np.zeros(8)
-    real[PACE] = 1.0
-    news = np.zeros((robots, 3))
-    news[:, 2] = -1.0
-    whole = np.array([0, 0, 0, 0, 0, LONG_AGO])
-    past = np.full((PAST, 3), np.nan)
-    return Wait(real, whole, np.zeros(3), np.zeros((steps, 2)), np.zeros(2), news, past)
 
 
 class Self(NamedTuple):
@@ -121,10 +84,7 @@ class Self(NamedTuple):
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
 
 
-SELF = named(Self, WHOLE, REAL, VECTOR_OUT, REAL, REAL, WHOLE, REAL)
-
-
-@kernel_for(NOTHING, WAIT, MATRIX)
+@kernel
 def merge(w: Wait, news: FloatArray) -> None:
     """Take news from a plan, rows (robot from 0, n [s], r, stamp [ticks]); the newest stamp wins."""
     for i in range(len(news)):
@@ -144,7 +104,7 @@ def ages(w: Wait, robot: int, stamp: float, dt: float) -> float:
     return oldest
 
 
-@kernel_for(FLAG, WAIT, WHOLE, REAL, FLAG, REAL)
+@kernel
 def somebody(w: Wait, robot: int, stamp: float, heard_waits: bool, dt: float) -> bool:
     """Whether anybody waits, as far as is known."""
     if heard_waits or w.whole[WAITS] == 1 or w.real[NEED] > 0.001:
@@ -193,7 +153,7 @@ def _follow(w: Wait, robot: int, stamp: float, h: float, dt: float) -> None:
     real[PACE] = 1.0 - between(rate, -1.0, 1.0)
 
 
-@kernel_for(NOTHING, WAIT, SELF, VECTOR, VECTOR, REAL, REAL, REAL, REAL, REAL)
+@kernel
 def decide(  # noqa: PLR0915  one law, in the order of its equations
     w: Wait,
     me: Self,
@@ -277,7 +237,7 @@ def decide(  # noqa: PLR0915  one law, in the order of its equations
     _follow(w, me.robot, me.stamp, h, dt)
 
 
-@kernel_for(NOTHING, WAIT, VECTOR, MATRIX, VECTOR)
+@kernel
 def remember(w: Wait, pose: FloatArray, velocities: FloatArray, drift: FloatArray) -> None:
     """What the robot is going to do: pose (3,) at the stamp, velocities (N, 2), drift (2,)."""
     w.pose[:] = pose
@@ -286,9 +246,24 @@ def remember(w: Wait, pose: FloatArray, velocities: FloatArray, drift: FloatArra
     w.whole[PLANNED] = 1
 
 
-@kernel_for(NOTHING, WAIT, MATRIX_OUT)
+@kernel
 def honest(w: Wait, velocities: FloatArray) -> None:
     """A waiting robot's announced velocities (N, 2) are no faster than it got lately."""
     if w.whole[WAITS] == 1:
         for j in range(len(velocities)):
             velocities[j, 0] = min(velocities[j, 0], w.real[SPEED] + CUT)
+
+
+@kernel
+def known(w: Wait, out: FloatArray) -> int:
+    """What is known of every robot's waiting, for a plan: rows (robot from 0, n [s], r, stamp) of out (n, 4).
+
+    Returns how many rows are used.
+    """
+    count = 0
+    for q in range(len(w.news)):
+        if w.news[q, 2] >= 0.0:
+            out[count, 0] = q
+            out[count, 1:] = w.news[q]
+            count += 1
+    return count

@@ -1,4 +1,4 @@
-"""A viser server that admits only the pages that the guard admits (dashboard/serving/access.py).
+"""A viser server that admits only the pages that the guard admits (dashboard/serving/admission.py).
 
 viser itself listens on all hosts, takes another port if its own is taken, accepts web sockets from any web page that
 a user has open, and lets any client open a public tunnel. All four are prevented here.
@@ -19,6 +19,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from dashboard.serving.access import Guard
+from dashboard.serving.admission import answer as answer_to
 from formation.errors import EchelonError
 
 
@@ -34,7 +35,7 @@ def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
 
     def guarded(handler: Any, _host: object, _port: object, *, process_request: Any, **options: Any) -> Any:
         def checked(connection: ServerConnection, request: Request) -> Response | None:
-            answer = guard.answer(request.path, request.headers, taken)
+            answer = answer_to(guard, request.path, request.headers, taken)
             return answer if answer is not None else process_request(connection, request)
 
         return original(handler, sock=bound, process_request=checked, **options)

@@ -14,7 +14,16 @@ from experiments.trials.result import TrialResult
 from experiments.trials.trial import SERIES_INTERVAL, Trial
 from formation.arrays import FloatArray
 
-SHOWN = {"m": ("mm", 1e3), "rad": ("rad", 1.0), "s": ("s", 1.0), "1": ("%", 100.0)}
+SHOWN = {
+    "m": ("mm", 1e3),
+    "rad": ("rad", 1.0),
+    "s": ("s", 1.0),
+    "m/s": ("mm/s", 1e3),
+    "1/s": ("1/s", 1.0),
+    "B/s": ("kB/s", 1e-3),
+    "pairs": ("pairs", 1.0),
+    "1": ("%", 100.0),
+}
 """SI unit: what a figure shows, and how many of it."""
 LEAST = 1e-6
 """What is below counts as this much where logarithms are taken [mm]."""

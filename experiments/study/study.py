@@ -1,6 +1,5 @@
 """Study files: a grid of trials, what is measured of them, and how it is shown (`studies/*.toml`)."""
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path as File
 from typing import Annotated, Any, Literal
@@ -8,7 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, FiniteFloat, StrictBool, StrictInt, ValidationError, model_validator
 
 from experiments.trials.measures import MEASURES, Event
-from formation.errors import StudyError, unknown
+from formation.errors import ScenarioError, StudyError, unknown
+from formation.scenario.files import is_file, table_of
 from formation.scenario.overrides import Overrides, at_path, merged, paths
 from formation.schema import Duration, Model
 from formation.validation import problems
@@ -240,17 +240,16 @@ def load(name: str, *, seeds: int | None = None, overrides: Overrides | None = N
     Raises:
         StudyError: it does not exist or is wrong; one line per mistake.
     """
-    file = File(name) if name.endswith(".toml") or "/" in name else SHIPPED / f"{name}.toml"
+    if not is_file(name) and name not in shipped():
+        raise StudyError(unknown("study", name, [*shipped(), "FILE.toml"]))
+    file = File(name) if is_file(name) else SHIPPED / f"{name}.toml"
     try:
-        raw: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise StudyError(unknown("study", name, [*shipped(), "FILE.toml"])) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"{name}: cannot be read: {error}") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise StudyError(f"{name}: expected TOML; {error}") from None
+        raw = table_of(file, name)
+    except ScenarioError as error:
+        raise StudyError(str(error)) from None
     study = parse(raw, where=name)
-    scenarios = [str(file.parent.resolve() / s) if s.endswith(".toml") else s for s in study.scenarios]
+    folder = file.parent.resolve() if file.is_file() else File.cwd()  # nothing lies beside a pipe
+    scenarios = [str(folder / s) if is_file(s) else s for s in study.scenarios]
     for path in paths(overrides or {}):
         for axis in study.axes:
             if path in axis.set_keys():

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydantic import model_validator
@@ -69,10 +69,22 @@ class Record:
     event: Event | None
     radii: tuple[float, ...] = ()
     """Of the robots [m]."""
+    inputs: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 2)))
+    """(T - 1, n, 2) commanded v and omega [m/s, rad/s]."""
+    duration: float = 0.0
+    """Of the whole trial [s]."""
+    plan_bytes: int = 0
+    """Length of all plans that were sent in the whole trial [B]; 0 unless a measure asks for it."""
 
 
 def record(
-    scenario: Scenario, trace: Trace, counts: Mapping[LinkId, LinkCounts], warmup: float, event: Event | None
+    scenario: Scenario,
+    trace: Trace,
+    counts: Mapping[LinkId, LinkCounts],
+    warmup: float,
+    event: Event | None,
+    *,
+    plan_bytes: int = 0,
 ) -> Record:
     """The part of a trial that is measured.
 
@@ -82,6 +94,7 @@ def record(
         counts: messages by link.
         warmup: measures start at this simulated time [s].
         event: what upsets the formation, if anything does.
+        plan_bytes: length of all plans [B].
     """
     first = min(len(trace.times) - 2, round(warmup / scenario.control_interval))
     distance, angle, tracking = trace.errors()
@@ -97,6 +110,9 @@ def record(
         level=trailing_rms(distance, window)[first:].max(axis=1),
         event=event,
         radii=tuple(scenario.bodies.radii(scenario.size)),
+        inputs=trace.inputs[first:],
+        duration=float(trace.times[-1]),
+        plan_bytes=plan_bytes,
     )
 
 
@@ -131,6 +147,22 @@ def _lost(trial: Record) -> float | None:
     return sum(c.lost for c in trial.counts) / sent if sent else None
 
 
+def _jitter(trial: Record) -> float:
+    """RMS over robots and ticks of the commanded v's change [m/s]."""
+    return rms(np.diff(trial.inputs[:, :, 0], axis=0).ravel())
+
+
+def _plan_rate(trial: Record) -> float:
+    """Plans that a robot sends in a second."""
+    return sum(c.sent for c in trial.counts) / (trial.duration * len(trial.counts))
+
+
+def _byte_rate(trial: Record) -> float:
+    """Bytes of plans that a robot sends in a second."""
+    robots: int = trial.distance.shape[1]
+    return trial.plan_bytes / (trial.duration * robots)
+
+
 @dataclass(frozen=True, slots=True)
 class Measure:
     """One number of a trial."""
@@ -145,8 +177,11 @@ class Measure:
     """Whether it needs an event."""
 
 
+BYTES = "bytes_per_s"
+"""The measure that needs every plan's bytes."""
 MEASURES: dict[str, Measure] = {
     "distance_rms_m": Measure(lambda t: float(rms(t.distance, axis=0).max()), "m", "RMS of $l_e$, worst robot"),
+    "distance_pooled_m": Measure(lambda t: float(rms(t.distance.ravel())), "m", "RMS of $l_e$, all robots"),
     "distance_max_m": Measure(lambda t: float(np.abs(t.distance).max()), "m", "largest $|l_e|$"),
     "distance_final_m": Measure(lambda t: float(np.abs(t.distance[-1]).max()), "m", "final $|l_e|$, worst robot"),
     "angle_rms_rad": Measure(lambda t: float(rms(t.angle, axis=0).max()), "rad", r"RMS of $\psi_e$, worst robot"),
@@ -155,11 +190,14 @@ MEASURES: dict[str, Measure] = {
     "tracking_final_m": Measure(lambda t: float(t.tracking[-1]), "m", "final centre to path"),
     "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least distance of two centres"),
     "gap_m": Measure(lambda t: _contacts(t).gap, "m", "least gap of two robots"),
-    "contacts": Measure(lambda t: float(_contacts(t).count), "1", "pairs that came to touch"),
+    "contacts": Measure(lambda t: float(_contacts(t).count), "pairs", "pairs that came to touch"),
     "recovery_s": Measure(_recovery, "s", "time to recover", of_event=True),
     "event_max_m": Measure(_event_max, "m", "largest $|l_e|$ since the event", of_event=True),
     "age_median_s": Measure(lambda t: quantile(t.ages, 0.5), "s", "median age of the plans used"),
     "age_max_s": Measure(lambda t: quantile(t.ages, 1.0), "s", "largest age of a plan used"),
+    "jitter_mps": Measure(_jitter, "m/s", "RMS change of the commanded v per tick"),
+    "plans_per_s": Measure(_plan_rate, "1/s", "plans that a robot sends"),
+    BYTES: Measure(_byte_rate, "B/s", "bytes of plans that a robot sends"),
     "lost_share": Measure(_lost, "1", "share of plans lost"),
 }
 """Everything that a study can measure. Distances are of the worst robot, from the warm-up on."""

@@ -4,9 +4,10 @@ import hashlib
 
 import numpy as np
 
-from experiments.trials.measures import measured, record
+from experiments.trials.measures import BYTES, measured, record
 from experiments.trials.result import Signals, TrialResult
 from experiments.trials.trial import GAP_EVERY, SERIES_INTERVAL, Trial
+from network.codec import encode
 from runtime.inprocess import Simulation
 from runtime.precompile import ensure_compiled
 
@@ -16,15 +17,17 @@ def simulate(trial: Trial) -> TrialResult:
     ensure_compiled(_silent)
     wanted, scenario = trial.measurement, trial.load()
     simulation = Simulation(scenario)
-    gaps = []
+    gaps, plan_bytes = [], 0
     while not simulation.finished:
         k = simulation.world.k
         simulation.step()
+        if BYTES in wanted.measures:
+            plan_bytes += sum(len(encode(plan)) for plan in simulation.plans)
         if wanted.gap and k % GAP_EVERY == 0:
             stamp = k * scenario.control_interval
             gaps.append([agent.status(k, stamp).gap for _, agent in sorted(simulation.agents.items())])
     trace = simulation.trace
-    seen = record(scenario, trace, simulation.world.counts, wanted.warmup, wanted.event)
+    seen = record(scenario, trace, simulation.world.counts, wanted.warmup, wanted.event, plan_bytes=plan_bytes)
     stride = max(1, round(SERIES_INTERVAL / scenario.control_interval))
     sampled = np.array(gaps, dtype=float).reshape(-1, scenario.size)
     return TrialResult(

@@ -19,28 +19,30 @@ class Dropout(Model):
     """For a while, a robot's localisation sees nothing."""
 
     robot: Annotated[int, Field(ge=1)]
+    """Number of the robot, from 1."""
     at: Duration = 0.0
-    """[s]; a measurement is lost if its stamp lies within at .. until."""
+    """Simulated time at which it begins [s]; a measurement is lost if its stamp lies within at .. until."""
     until: Duration
-    """[s]."""
+    """Simulated time at which it ends [s]."""
 
 
 class Localisation(Model):
     """What tells a robot where it is."""
 
     rate: Positive | None = None
-    """Measurements a second; if absent, one a tick. A whole number of ticks lies between two."""
+    """Measurements a second; if absent, one a tick; a whole number of ticks lies between two [1/s]."""
     age: Duration = 0.0
     """From the moment that is measured to its arrival [s]."""
     position: NonNegative = 0.0
     """Standard deviation of x and y [m]."""
     heading: NonNegative = 0.0
-    """Standard deviation [rad]."""
+    """Standard deviation of the heading [rad]."""
     outliers: Probability = 0.0
     """Share of measurements that are far off."""
     outlier_size: NonNegative = 0.05
     """Standard deviation of x and y that an outlier adds [m]; to the heading it adds 0.25 rad."""
     dropouts: tuple[Dropout, ...] = ()
+    """When a robot's localisation sees nothing."""
 
 
 class RelativeSensing(Model):
@@ -50,38 +52,57 @@ class RelativeSensing(Model):
     """Standard deviation of x and y [m]; without a value robots do not see each other."""
 
 
+class Gusts(Model):
+    """Pushes that come and go by chance, alone or together."""
+
+    sigma: NonNegative = 0.0
+    """Standard deviation of the velocity with which a robot is carried, along x and along y [m/s]."""
+    time: Annotated[Duration, Field(gt=0.0)] = 2.0
+    """Correlation time [s]."""
+    correlation: Probability = 0.0
+    """Of any two robots' gusts: 0, each has its own; 1, all are carried alike."""
+
+
 class BodyLimits(Model):
     """What a body can do: |v| <= v, |omega| <= omega."""
 
     v: Positive = 0.5
-    """[m/s]."""
+    """Largest |v| [m/s]."""
     omega: Positive = 2.0
-    """[rad/s]."""
+    """Largest |omega| [rad/s]."""
 
 
 class RobotBody(Model):
     """What differs in one robot; a key that is absent is that of all."""
 
     robot: Annotated[int, Field(ge=1)]
+    """Number of the robot, from 1."""
     lag: Duration | None = None
+    """Time constant with which its wheel speeds follow commands [s]."""
     acceleration: Positive | None = None
+    """Its largest change of v [m/s2]."""
     turn_acceleration: Positive | None = None
+    """Its largest change of omega [rad/s2]."""
     scale: FiniteFloat | None = None
-    """The robot's own factor less 1, instead of a drawn one."""
+    """Its own s_v, instead of a drawn one: it drives 1 + s_v times as fast as its wheels say [1]."""
     turn_scale: FiniteFloat | None = None
+    """Its own s_omega, likewise [1]."""
     turn_offset: FiniteFloat | None = None
-    """[rad/s]."""
+    """Its own b_omega, instead of a drawn one: it turns so fast by itself [rad/s]."""
     slip: NonNegative | None = None
+    """Its slip, as of bodies.slip [1]."""
     gyro: NonNegative | None = None
+    """Its error of omega, as of bodies.gyro [rad/s]."""
     radius: Positive | None = None
-    """[m]."""
+    """Its radius [m]."""
     limits: BodyLimits | None = None
+    """What it can do."""
 
 
 class Bodies(Model):
     """The bodies of all robots."""
 
-    preset: str = "ideal"
+    preset: Annotated[str, Field(json_schema_extra={"enum": list(PRESETS)})] = "ideal"
     """A named set of values for the keys below; keys beside it refine it."""
     implementation: str = "wheeled"
     """Which model moves the bodies (world/bodies/)."""
@@ -94,13 +115,13 @@ class Bodies(Model):
     delay: Duration = 0.0
     """From a command's arrival to its effect [s]."""
     scale: NonNegative = 0.0
-    """Bound of s_v: a robot drives 1 + s_v times as fast as its wheels say."""
+    """Bound of s_v: a robot drives 1 + s_v times as fast as its wheels say [1]."""
     turn_scale: NonNegative = 0.0
-    """Bound of s_omega, likewise."""
+    """Bound of s_omega, likewise [1]."""
     turn_offset: NonNegative = 0.0
     """Bound of b_omega: a robot turns so fast by itself [rad/s]."""
     slip: NonNegative = 0.0
-    """Each tick v and omega are multiplied by 1 + slip n, each with its own n, standard normal."""
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n, standard normal [1]."""
     gyro: NonNegative = 0.0
     """Each tick gyro n is added to omega [rad/s]."""
     slip_time: Duration = 0.0
@@ -114,9 +135,10 @@ class Bodies(Model):
     fit: Literal["scale", "refuse"] = "scale"
     """What to do with a formation that is too narrow for a preset's robots (formation/scenario/fitting.py)."""
     scaled: Positive = 1.0
-    """By which factor the scenario's lengths have been multiplied so that the robots fit."""
+    """By which factor the scenario's lengths have been multiplied so that the robots fit [1]."""
     localisation: Localisation = Localisation()
     relative: RelativeSensing = RelativeSensing()
+    gusts: Gusts = Gusts()
     robots: tuple[RobotBody, ...] = ()
     """What differs from robot to robot."""
 

@@ -3,6 +3,7 @@
 What is read becomes part of the scenario when it is loaded: afterwards nobody needs the file.
 """
 
+import codecs
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path as File
@@ -20,6 +21,13 @@ DELIMITERS = (";", "\t", ",")
 """The first of these that a row holds separates its columns; else any white space does."""
 X_NAMES, Y_NAMES = ("x", "x_m", "pos_x", "position_x"), ("y", "y_m", "pos_y", "position_y")
 """Columns that are meant unless the scenario names others."""
+OTHER_TEXT = (
+    ("UTF-32", codecs.BOM_UTF32_LE),
+    ("UTF-32", codecs.BOM_UTF32_BE),
+    ("UTF-16", codecs.BOM_UTF16_LE),
+    ("UTF-16", codecs.BOM_UTF16_BE),
+)
+"""Encodings by the byte order mark that a file begins with."""
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "ft": 0.3048, "in": 0.0254}
 
 
@@ -38,7 +46,7 @@ class PointFile(Model):
     """Where points come from if they are not written out."""
 
     file: str | None = None
-    """CSV file, beside the scenario's: its rows are the points; lines that begin with # are comments."""
+    """CSV file, beside the scenario's: its rows are the points (offsets); what follows a # is a comment."""
     columns: tuple[Column, Column] | None = None
     """Which columns of the `file` hold x and y: their names, or their numbers from 0 (default: x and y, else the first
     two)."""
@@ -119,8 +127,9 @@ def text_of(file: File, where: str, limit: int) -> str:
         raise ScenarioError(f"{where}: cannot be read: {error}") from None
     if len(data) > limit:
         raise ScenarioError(f"{where}: expected at most {limit >> 20} MiB; got more")
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise ScenarioError(f"{where}: expected text in UTF-8; got UTF-16")
+    other = next((name for name, mark in OTHER_TEXT if data.startswith(mark)), None)
+    if other or b"\0" in data:  # without a mark: every second byte of plain text is 0
+        raise ScenarioError(f"{where}: expected text in UTF-8; got {other or 'bytes that are 0, as in UTF-16'}")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -21,9 +21,9 @@ class Figure8(Path):
     lengths = ("scale",)
     kind: Literal["figure8"]
     scale: Positive = 1.0
-    """s [m]."""
+    """s, half its height [m]."""
     rate: Positive = 0.05
-    """[rad/s]."""
+    """Of its phase [rad/s]."""
 
     @property
     def period(self) -> float:
@@ -40,9 +40,9 @@ class Circle(Path):
     lengths = ("radius",)
     kind: Literal["circle"]
     radius: Positive = 0.8
-    """[m]."""
+    """Of the circle [m]."""
     rate: Positive = 0.05
-    """[rad/s]."""
+    """Of its phase [rad/s]."""
 
     @property
     def period(self) -> float:
@@ -59,11 +59,11 @@ class Sinusoid(Path):
     lengths = ("speed", "amplitude")
     kind: Literal["sinusoid"]
     speed: Positive = 0.1
-    """[m/s]."""
+    """Along x [m/s]."""
     amplitude: Positive = 0.8
-    """[m]."""
+    """Across x [m]."""
     rate: Positive = 0.1
-    """[rad/s]."""
+    """Of its phase [rad/s]."""
 
     def position(self, t: FloatArray) -> FloatArray:
         return np.stack([self.speed * t, self.amplitude * np.sin(self.rate * t)], axis=-1)
@@ -75,9 +75,9 @@ class Spiral(Path):
     lengths = ("growth",)
     kind: Literal["spiral"]
     growth: Positive = 0.01
-    """[m/s]."""
+    """How fast the radius grows [m/s]."""
     rate: Positive = 0.1
-    """[rad/s]."""
+    """Of its phase [rad/s]."""
 
     def position(self, t: FloatArray) -> FloatArray:
         phase, radius = self.rate * t, self.growth * t
@@ -92,7 +92,7 @@ class Corner(Path):
     speed: Positive = 0.1
     """Along y, and after the corner along x as well [m/s]."""
     at: Positive = 20.0
-    """[s]."""
+    """When it turns [s]."""
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
@@ -108,9 +108,9 @@ class Line(Path):
     lengths = ("speed",)
     kind: Literal["line"]
     speed: Positive = 0.1
-    """[m/s]."""
+    """Along the line [m/s]."""
     heading: FiniteFloat = 0.0
-    """[rad]."""
+    """Of the line, from x counter-clockwise [rad]."""
 
     def position(self, t: FloatArray) -> FloatArray:
         return self.speed * np.stack([t * math.cos(self.heading), t * math.sin(self.heading)], axis=-1)

@@ -44,7 +44,7 @@ class Waypoints(Path, PointFile):
     speed: Positive = 0.1
     """Along the path [m/s]."""
     speed_column: Column | None = None
-    """Which column of the `file` holds the speed at each point [m/s]: its name, or its number from 0."""
+    """Which column of the `file` holds the speed at each point, in its `unit` a second: its name or number."""
     speeds: list[NonNegative] | None = None
     """At each point, changing at a constant rate in between; instead of `speed` [m/s]."""
     closed: bool = False

@@ -13,13 +13,17 @@ class ControllerOptions(Model):
     name: str
     """Which controller."""
     horizon: Annotated[int, Field(ge=2, le=100)] = 20
-    """N [prediction intervals]."""
+    """N, the prediction intervals that a plan covers [intervals]."""
     prediction_interval: Positive = 0.1
-    """Delta_T [s]; a whole number of control intervals."""
+    """Delta_T, the length of one of them [s]; a whole number of control intervals."""
     plan_every: Annotated[int, Field(ge=1, le=100)] = 1
-    """Ticks from one plan to the next; in between the plan's own inputs are applied."""
+    """From one plan to the next [ticks]; in between the plan's own inputs are applied."""
     age_plans: bool | None = None
     """Roll a received plan forward to now, or use it as if it were fresh; the controller's own way by default."""
+
+    send_when: Positive | None = None
+    """A plan goes out only when the receivers' forecast of the robot's place is wrong by more than this [m], when
+    somebody waits, or after 0.5 s; by default every plan goes out."""
 
     @property
     def uses_sight(self) -> bool:
@@ -65,7 +69,7 @@ class PairGame(Weighted):
     q: list[NonNegative] | None = None
     """Diagonal of Q: centre, centre, mean heading, radial, tangential, half-difference of headings."""
     formation: Positive = 0.3
-    """Weight of the pattern relative to the path; all other weights are derived from the spacing. A larger value
+    """Weight of the pattern relative to the path [1]; all other weights are derived from the spacing. A larger value
     holds the pattern tighter and makes it depend more on fresh messages."""
     waits: bool = True
     """Whether a robot waits for those that cannot keep up."""
@@ -80,7 +84,8 @@ class NashOptions(PairGame):
     hears: Literal["upstream", "both"] = "upstream"
     """Whose plans a robot receives: the paper's directed ring, or both ring neighbours ("response" only)."""
     own_weight: Positive = 120.0
-    """Cost of an error of one spacing from the own slot while no plan is trusted ("response" only)."""
+    """Cost of an error of one spacing from the own slot while no plan is trusted ("response" only)
+    [1]."""
     trust_time: Positive | None = None
     """Time constant with which trust in a plan fades with its age [s]; by default 0.3, with both neighbours 0.5."""
 
@@ -142,7 +147,7 @@ class VirtualStructureOptions(ControllerOptions):
 
     name: Literal["virtual_structure"] = "virtual_structure"
     own_weight: Positive = 120.0
-    """Cost of an error of one spacing from the own slot."""
+    """Cost of an error of one spacing from the own slot [1]."""
     r: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     """Diagonal of R: v, omega; derived from the scenario if absent."""
     sees: bool = False

@@ -46,17 +46,25 @@ def read(name: str) -> dict[str, Any]:
         if not file.is_file():
             raise ScenarioError(unknown("scenario", name, [*shipped(), "FILE.toml"]))
         return tomllib.loads(file.read_text(encoding="utf-8"))
-    text = text_of(File(name), name, MAX_SCENARIO)
+    return table_of(File(name), name)
+
+
+def table_of(file: File, where: str) -> dict[str, Any]:
+    """The table that a file holds: TOML, or JSON if its name says so.
+
+    Raises:
+        ScenarioError: it cannot be read; the text begins with `where`.
+    """
+    text = text_of(file, where, MAX_SCENARIO)
+    form = "JSON" if file.suffix.lower() == ".json" else "TOML"
     try:
-        if name.endswith(".json"):
-            return dict(json.loads(text))
-        return tomllib.loads(text)
+        return dict(json.loads(text)) if form == "JSON" else tomllib.loads(text)
     except (TypeError, ValueError, RecursionError) as error:  # what TOML and JSON raise are ValueErrors
-        raise ScenarioError(f"{name}: expected {'JSON' if name.endswith('.json') else 'TOML'}; {error}") from None
+        raise ScenarioError(f"{where}: expected {form}; {error}") from None
 
 
 def is_file(name: str) -> bool:
-    """Whether a scenario is meant by its file, a pipe as well, and not by its name."""
+    """Whether a scenario or study is meant by its file, a pipe as well, and not by its name."""
     return name.lower().endswith((".toml", ".json")) or "/" in name
 
 

@@ -63,6 +63,8 @@ def scaled(scenario: Scenario, by: float) -> dict[str, Any]:
     table["formation"] = _wider(formation, by)
     if "changes" in formation:
         table["formation"]["changes"] = [_wider(change, by) for change in formation["changes"]]
+    if scenario.controller.send_when is not None:
+        table["controller"]["send_when"] = by * scenario.controller.send_when
     if scenario.robots.poses is not None:
         table["robots"]["poses"] = [(by * x, by * y, theta) for x, y, theta in scenario.robots.poses]
     table["bodies"] = {**scenario.bodies.model_dump(exclude_unset=True), "scaled": by}

@@ -12,4 +12,4 @@ class Lockstep(Model):
 
     patience: Annotated[Duration, Field(gt=0.0)] = 30.0
     """An agent that is there but does not answer for this long is no longer waited for, until it answers again
-    [s of the world's own running time]."""
+    [s], by the world's own running time."""

@@ -1,6 +1,6 @@
 """The controllers by name: their options, colour, and what a run has to know of them. One line each.
 
-agents/controllers/registry.py has a constructor for each of these names.
+Each is made by the module of its name (agents/controllers/registry.py).
 """
 
 from dataclasses import dataclass

@@ -42,9 +42,9 @@ class StartNoise(Model):
     """Standard deviations of the start poses."""
 
     position: NonNegative = 0.0
-    """[m], in x and in y."""
+    """Of x and of y [m]."""
     heading: NonNegative = 0.0
-    """[rad]."""
+    """Of the heading [rad]."""
 
 
 class Robots(Model):
@@ -64,7 +64,7 @@ class Noise(Model):
     """Noise, which the prediction model leaves out (docs/theory.md, section 9); n is standard normal."""
 
     slip: NonNegative = 0.0
-    """Each tick v and omega are multiplied by 1 + slip n, each with its own n."""
+    """Each tick v and omega are multiplied by 1 + slip n, each with its own n [1]."""
     gyro: NonNegative = 0.0
     """Each tick gyro n is added to omega [rad/s]."""
     position: NonNegative = 0.0
@@ -92,24 +92,28 @@ class Scenario(Model):
     """The complete description of an episode: it determines every trajectory, seed included."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    """What tables and the page call it: letters and digits, and _ . - between them."""
     source: str = ""
     """Where it comes from."""
     duration: Annotated[Duration, Field(gt=0.0)] = 60.0
-    """[s]."""
+    """Of an episode, in simulated time [s]."""
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    """Of everything that is drawn: noise, faults, start noise, differences between robots."""
     control_interval: Positive = 0.01
     """delta_t, the length of a tick [s]."""
     path: AnyPath
+    """Where the centre of the formation shall be at which time."""
     formation: Formation
     robots: Robots = Robots()
     noise: Noise = Noise()
     controller: AnyController = NashOptions()
+    """What plans for each robot."""
     bodies: Bodies = Bodies()
     """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
     link: Fault = Fault()
-    """Fault of every link between robots, under the scheduled faults and those that users set."""
+    """Fault of every link that carries plans, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
     disturbances: tuple[Disturbance, ...] = ()
     """Disturbances of the bodies."""

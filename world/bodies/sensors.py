@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formation.arrays import FloatArray, frozen
+from formation.arrays import FloatArray, read_only
 from formation.bodies.nominal import Nominal
 from formation.scenario.scenario import Scenario
 from network.values import NO_PLACES
@@ -43,6 +43,8 @@ class Sensors:
         self._chance = Draws(scenario.seed, CHANCE, n, 1, uniform=True)
         self._outliers = Draws(scenario.seed, OUTLIER, n, 3)
         self._relative = Draws(scenario.seed, RELATIVE, n, 2)
+        self._noisy = bool(self._spread.any()) or self._share > 0.0
+        self._everybody = list(range(1, n + 1))
         self._past: deque[FloatArray] = deque(maxlen=nominal.age + 1)
 
     def measure(self, tick: int, poses: FloatArray) -> Measured | None:
@@ -54,9 +56,9 @@ class Sensors:
         return self._seen(measured, self._past[0])
 
     def _seen(self, tick: int, poses: FloatArray) -> Measured:
-        robots = list(range(1, len(poses) + 1))
+        robots = self._everybody
         seen = poses
-        if self._spread.any() or self._share > 0.0:
+        if self._noisy:
             seen = seen + self._spread * self._noise.at(tick)
         if self._share > 0.0:
             wild = np.array([self._size, self._size, OUTLIER_HEADING]) * self._outliers.at(tick)
@@ -68,12 +70,16 @@ class Sensors:
             seen = np.array(seen)
             seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
         sigma = self._nominal.relative
-        relatives = NO_PLACES if sigma is None else frozen(_relative(poses) + sigma * self._relative.at(tick))
-        return Measured(tick, frozen(seen), robots, relatives)
+        relatives = NO_PLACES if sigma is None else read_only(_relative(poses) + sigma * self._relative.at(tick))
+        return Measured(tick, seen if seen is poses else read_only(seen), robots, relatives)
 
 
 def _relative(poses: FloatArray) -> FloatArray:
     """(n, 2): where each robot's upstream neighbour is, in its own frame [m]."""
-    gap = np.roll(poses[:, :2], 1, axis=0) - poses[:, :2]
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    return np.stack([c * gap[:, 0] + s * gap[:, 1], c * gap[:, 1] - s * gap[:, 0]], axis=1)
+    places, found = poses[:, :2], np.empty((len(poses), 2))
+    found[1:] = places[:-1] - places[1:]
+    found[0] = places[-1] - places[0]
+    c, s, x, y = np.cos(poses[:, 2]), np.sin(poses[:, 2]), found[:, 0].copy(), found[:, 1].copy()
+    found[:, 0] = c * x + s * y
+    found[:, 1] = c * y - s * x
+    return found

@@ -3,7 +3,7 @@
 A command c acts `delay` after its arrival, held within the limits. Wheel speeds follow it,
 w+ = w + clip((c - w)(1 - exp(-dt / lag)), +- acceleration dt), and odometry reads w. The body moves as a unicycle with
 v = drive (1 + s_v)(1 + slip n_1) w_v and omega = drive ((1 + s_w)(1 + slip n_2) w_w + b_w + gyro n_3), and is
-carried by a disturbance's drift.
+carried by a disturbance's drift and by gusts.
 """
 
 import math
@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from formation import unicycle
-from formation.arrays import FloatArray, frozen
+from formation.arrays import FloatArray, read_only
 from formation.bodies.nominal import Nominal
 from formation.disturbances import Disturbance
 from formation.scenario.scenario import Scenario
 from world.bodies.draws import CONSTANT, MOTION, Draws, generator
+from world.bodies.gusts import Gusts
 from world.bodies.sensors import Measured, Sensors
 
 
@@ -38,6 +39,8 @@ class Constants:
     slip: float
     gyro: float
     """[rad/s]."""
+    exact: bool
+    """Whether the wheels do what they are commanded at once."""
 
 
 class WheeledBodies:
@@ -52,8 +55,10 @@ class WheeledBodies:
         slip_time = scenario.bodies.slip_time
         self._keep = math.exp(-self._dt / slip_time) if slip_time > 0.0 else 0.0
         self._slips = any(body.slip > 0.0 or body.gyro > 0.0 for body in self._bodies)
+        self._undisturbed = [1.0] * n, [math.inf] * n
         self._motion = Draws(scenario.seed, MOTION, n, 3)
         self._slipping = [[0.0, 0.0, 0.0] for _ in range(n)]
+        self._gusts = Gusts(scenario)
         self._sensors = Sensors(scenario, known)
         self._k = 0
         self.poses: FloatArray = scenario.start_poses()
@@ -66,7 +71,7 @@ class WheeledBodies:
     @property
     def odometry(self) -> FloatArray:
         """(n, 2) speeds of the wheels over the last tick [m/s, rad/s]."""
-        return frozen(self._wheels)
+        return read_only(np.array(self._wheels))
 
     def measure(self) -> Measured | None:
         """What sensors deliver at this tick; call once a tick."""
@@ -88,7 +93,11 @@ class WheeledBodies:
             moved.append(unicycle.step(x, y, theta, v * drive[i], (omega + body.offset) * drive[i], self._dt))
             wheels.append(speeds)
         self._wheels = wheels
-        self.poses = frozen(moved if drift is None else np.array(moved) + self._dt * drift)
+        if self._gusts.blow:
+            gust = self._gusts.at(self._k)
+            drift = gust if drift is None else drift + gust
+        poses = np.array(moved)
+        self.poses = read_only(poses if drift is None else poses + self._dt * drift)
         self._k += 1
 
     def _correlated(self, i: int, fresh: list[float]) -> list[float]:
@@ -102,9 +111,9 @@ class WheeledBodies:
     def _disturbed(self) -> tuple[list[float], list[float], FloatArray | None]:
         """Shares (n,) of the motion that take effect, limits (n,) of |v| [m/s], and pushes (n, 3), None without any."""
         n = len(self._bodies)
-        drive, cap = [1.0] * n, [math.inf] * n
         if not self._disturbances:
-            return drive, cap, None
+            return *self._undisturbed, None
+        drive, cap = [1.0] * n, [math.inf] * n
         drift = np.zeros((n, 3))
         for entry in self._acting():
             row = entry.robot - 1
@@ -120,15 +129,15 @@ class WheeledBodies:
 
 def _spun(body: Constants, wheel: list[float], command: list[float], cap: float) -> list[float]:
     """Wheel speeds a tick later."""
-    speeds = []
+    most = min(body.limits[0], cap), body.limits[1]
+    wanted = [min(max(command[0], -most[0]), most[0]), min(max(command[1], -most[1]), most[1])]
+    if body.exact:
+        return wanted
     for c in range(2):
-        limit = min(body.limits[c], cap) if c == 0 else body.limits[c]
-        wanted = min(max(command[c], -limit), limit)
         if body.rate < 1.0 or math.isfinite(body.change[c]):
-            step = body.rate * (wanted - wheel[c])
-            wanted = wheel[c] + min(max(step, -body.change[c]), body.change[c])
-        speeds.append(wanted)
-    return speeds
+            step = body.rate * (wanted[c] - wheel[c])
+            wanted[c] = wheel[c] + min(max(step, -body.change[c]), body.change[c])
+    return wanted
 
 
 def _constants(scenario: Scenario, known: Nominal, robot: int) -> Constants:
@@ -147,12 +156,15 @@ def _constants(scenario: Scenario, known: Nominal, robot: int) -> Constants:
             strict=True,
         )
     ]
+    rate = 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
+    change = (own.acceleration or known.acceleration) * dt, (own.turn_acceleration or known.turn_acceleration) * dt
     return Constants(
-        1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0,
-        ((own.acceleration or known.acceleration) * dt, (own.turn_acceleration or known.turn_acceleration) * dt),
+        rate,
+        change,
         (limits.v, limits.omega),
         (1.0 + scales[0], 1.0 + scales[1]),
         scales[2],
         known.slip if own.slip is None else own.slip,
         known.gyro if own.gyro is None else own.gyro,
+        rate >= 1.0 and math.isinf(min(change)),
     )

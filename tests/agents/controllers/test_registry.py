@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from agents.controllers.registry import MAKES, TEAMS
+from agents.controllers.registry import controller_for, team_for
+from agents.controllers.task import Task
 from formation.errors import ScenarioError
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load
@@ -12,9 +13,21 @@ from formation.scenario.registry import CONTROLLERS, IN_PROCESS, LIVE
 from world.run_control import with_controller
 
 
-def test_every_controller_has_a_line_in_both_tables() -> None:
-    assert set(MAKES) == set(LIVE)
-    assert set(TEAMS) == set(IN_PROCESS)
+@pytest.mark.parametrize("name", LIVE)
+def test_every_controller_that_runs_as_a_process_can_be_made_for_one_robot(name: str) -> None:
+    scenario = load("circle", {"controller": {"name": name}})
+    assert callable(controller_for(scenario, 2, Task(scenario, 2)).plan)
+    assert team_for(scenario) is None
+
+
+@pytest.mark.parametrize("name", IN_PROCESS)
+def test_every_other_controller_can_be_made_for_all_robots_only(name: str) -> None:
+    scenario = load("circle", {"controller": {"name": name}})
+    team = team_for(scenario)
+    assert team is not None
+    assert callable(team.member(2).plan)
+    with pytest.raises(ScenarioError, match="inprocess"):
+        controller_for(scenario, 2, Task(scenario, 2))
 
 
 def test_colours_are_distinct() -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from websockets.datastructures import Headers
 
 from dashboard.serving.access import IN_CONTAINER, TOKEN, Guard, checked_token, given_token, new_token
+from dashboard.serving.admission import answer as answer_to
 from formation.errors import EchelonError
 
 ROOT = Path(__file__).parents[3]
@@ -41,7 +42,7 @@ def asked(host: str = "lab:8090", *, cookie: str | None = None, origin: str | No
     ],
 )
 def test_only_this_machines_own_pages_may_connect(host: str, origin: str | None, ok: bool) -> None:
-    assert (HERE.answer("/", asked(host, origin=origin, Upgrade="websocket"), 8090) is None) == ok
+    assert (answer_to(HERE, "/", asked(host, origin=origin, Upgrade="websocket"), 8090) is None) == ok
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "192.168.1.2", "::", "lab"])
@@ -68,20 +69,20 @@ def test_the_address_that_is_printed_is_one_that_is_let_in(
     monkeypatch.setenv(IN_CONTAINER, "1")
     guard = Guard(host)
     assert guard.address(8090) == address
-    assert guard.answer("/", asked(address.removeprefix("http://")), 8090) is None
+    assert answer_to(guard, "/", asked(address.removeprefix("http://")), 8090) is None
 
 
 def test_the_first_visit_takes_a_cookie_and_loses_the_token() -> None:
     address = Guard("192.168.1.2", SECRET).address(8090)
     assert address == f"http://192.168.1.2:8090/?token={SECRET}"
-    answer = HELD.answer(f"/?fixedDpr=1&token={SECRET}", asked(), 8090)
+    answer = answer_to(HELD, f"/?fixedDpr=1&token={SECRET}", asked(), 8090)
     assert answer is not None
     assert (answer.status_code, answer.headers["Location"]) == (303, "/?fixedDpr=1")
     cookie = answer.headers["Set-Cookie"]
     assert cookie.startswith(f"{COOKIE};")
     assert set(cookie.split("; ")[1:]) == {"HttpOnly", "SameSite=Strict", "Path=/"}
-    assert HELD.answer("/?fixedDpr=1", asked(cookie=cookie.split(";")[0]), 8090) is None
-    again = HELD.answer(f"/?token={SECRET}", asked(cookie=COOKIE), 8090)
+    assert answer_to(HELD, "/?fixedDpr=1", asked(cookie=cookie.split(";")[0]), 8090) is None
+    again = answer_to(HELD, f"/?token={SECRET}", asked(cookie=COOKIE), 8090)
     assert again is not None
     assert again.headers["Location"] == "/"
 
@@ -93,7 +94,7 @@ def test_the_first_visit_takes_a_cookie_and_loses_the_token() -> None:
     "cookie", [None, "", "echelon-8090=", "echelon-8090=wrong", f"echelon-8091={SECRET}", f"x={SECRET}", SECRET]
 )
 def test_without_the_token_there_is_a_page_that_says_so(path: str, cookie: str | None) -> None:
-    answer = HELD.answer(path, asked(cookie=cookie), 8090)
+    answer = answer_to(HELD, path, asked(cookie=cookie), 8090)
     assert answer is not None
     assert answer.status_code == 401
     assert "echelon status" in answer.body.decode()
@@ -118,9 +119,9 @@ def test_a_web_socket_needs_the_cookie_and_this_pages_origin(
     origin: str | None, cookie: str | None, code: int | None
 ) -> None:
     headers = asked(origin=origin, cookie=cookie, Upgrade="websocket")
-    answer = HELD.answer("/", headers, 8090)
+    answer = answer_to(HELD, "/", headers, 8090)
     assert (None if answer is None else answer.status_code) == code
-    with_token = HELD.answer(f"/?token={SECRET}", headers, 8090)
+    with_token = answer_to(HELD, f"/?token={SECRET}", headers, 8090)
     assert (None if with_token is None else with_token.status_code) == code, (
         "a web socket brings no token but the cookie"
     )
@@ -128,8 +129,8 @@ def test_a_web_socket_needs_the_cookie_and_this_pages_origin(
 
 def test_a_link_on_another_site_leads_in_after_a_reload() -> None:
     """A strict cookie does not come along then, and the page that says so loads itself once more."""
-    linked = HELD.answer("/", asked(**{"Sec-Fetch-Site": "cross-site"}), 8090)
-    reloaded = HELD.answer("/", asked(**{"Sec-Fetch-Site": "same-origin"}), 8090)
+    linked = answer_to(HELD, "/", asked(**{"Sec-Fetch-Site": "cross-site"}), 8090)
+    reloaded = answer_to(HELD, "/", asked(**{"Sec-Fetch-Site": "same-origin"}), 8090)
     assert linked is not None
     assert reloaded is not None
     assert "refresh" in linked.body.decode()
@@ -138,7 +139,7 @@ def test_a_link_on_another_site_leads_in_after_a_reload() -> None:
 
 @given(st.text(max_size=40), st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=40))
 def test_nothing_but_the_token_opens_the_door(path: str, cookie: str) -> None:
-    answer = HELD.answer(f"/?{path}", asked(cookie=cookie), 8090)
+    answer = answer_to(HELD, f"/?{path}", asked(cookie=cookie), 8090)
     assert SECRET in path + cookie or (answer is not None and answer.status_code == 401)
 
 
@@ -179,5 +180,5 @@ def test_a_process_without_a_good_token_does_not_start(host: str, token: str | N
 @pytest.mark.parametrize("other", ['a={"x": 1}', "a=[1,2", "=", "bad name=1", 'q="', "a=b=c", "é=1"])
 def test_a_malformed_cookie_of_another_server_does_not_hide_the_tokens(other: str) -> None:
     for cookies in (f"{other}; {COOKIE}", f"{COOKIE}; {other}"):
-        assert HELD.answer("/", asked(cookie=cookies), 8090) is None
-    assert HELD.answer("/", asked(cookie=other), 8090) is not None
+        assert answer_to(HELD, "/", asked(cookie=cookies), 8090) is None
+    assert answer_to(HELD, "/", asked(cookie=other), 8090) is not None

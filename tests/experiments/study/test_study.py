@@ -143,3 +143,31 @@ def test_a_mistake_on_the_command_line_is_one_line(arguments: Any, line: Any, ca
 
 def test_an_error_of_a_study_is_one_of_the_project() -> None:
     assert issubclass(StudyError, EchelonError)
+
+
+@pytest.mark.parametrize("name", ["own.TOML", "own.toml"])
+def test_a_study_and_its_scenarios_may_have_a_suffix_in_capitals_and_a_byte_order_mark(
+    tmp_path: Any, name: Any
+) -> None:
+    raw = 'name = "own"\nscenarios = ["here.Toml", "circle"]\nmeasures = ["distance_rms_m"]\nseeds = 1\n'
+    (tmp_path / name).write_text(raw, encoding="utf-8-sig")
+    found = studies.load(str(tmp_path / name))
+    assert found.scenarios == [str(tmp_path / "here.Toml"), "circle"]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("name = 'x'".encode("utf-16"), "got UTF-16"),
+        (b"\xff\xfa", "UTF-8"),
+        (b"name = ", "expected TOML"),
+        (None, "no"),
+    ],
+)
+def test_a_study_that_cannot_be_read_is_refused_in_a_line(tmp_path: Any, content: Any, words: Any) -> None:
+    file = tmp_path / "own.toml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(StudyError, match=words) as caught:
+        studies.load(str(file))
+    assert "\n" not in str(caught.value)

@@ -93,6 +93,10 @@ def test_the_share_of_lost_plans_is_over_all_links() -> None:
     assert measured(("lost_share",), lossy) == {"lost_share": 0.4}
 
 
+ENDINGS = {"1": "_share", "pairs": "contacts", "m/s": "_mps", "1/s": "_per_s", "B/s": "bytes_per_s"}
+"""Of a measure's name, by unit; other units stand there as they are."""
+
+
 def test_every_measure_has_its_unit_at_the_end_of_its_name() -> None:
     for name, measure in MEASURES.items():
-        assert name.endswith({"1": ("_share", "contacts")}.get(measure.unit, f"_{measure.unit}"))
+        assert name.endswith(ENDINGS.get(measure.unit, f"_{measure.unit}"))

@@ -222,6 +222,32 @@ def test_a_suffix_may_be_written_in_capitals(tmp_path: Any, name: Any, monkeypat
     assert load(name).name == "own"
 
 
+ENCODINGS = ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-32-le"]
+
+
+@given(
+    st.lists(st.tuples(st.integers(-99, 99), st.integers(-99, 99)), min_size=2, max_size=9, unique=True),
+    st.sampled_from(ENCODINGS),
+)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_utf8_is_read_with_or_without_a_mark_and_other_encodings_are_named(
+    tmp_path: Any, table: Any, encoding: Any
+) -> None:
+    content = "x,y\n" + "".join(f"{x},{y}\n" for x, y in table)
+    own = f'name = "own"\npath = {{ kind = "waypoints", points = {[list(row) for row in table]} }}\n'
+    (tmp_path / "names.toml").write_text(
+        'name = "own"\npath = { kind = "waypoints", file = "way.csv" }\nformation = { shape = "triangle" }\n'
+    )
+    (tmp_path / "whole.toml").write_bytes(f'{own}formation = {{ shape = "triangle" }}\n'.encode(encoding))
+    (tmp_path / "way.csv").write_bytes(content.encode(encoding))
+    for name in ("whole.toml", "names.toml"):
+        if encoding.startswith("utf-8"):
+            np.testing.assert_array_equal(points(load(str(tmp_path / name))), table)
+        else:
+            with pytest.raises(ScenarioError, match=r"expected text in UTF-8; got .*UTF-(16|32)$"):
+                load(str(tmp_path / name))
+
+
 @given(content=st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
 @settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_file_gives_points_or_one_line(tmp_path: Any, content: Any) -> None:

@@ -82,6 +82,20 @@ def test_slip_has_its_deviation_whether_white_or_correlated(slip_time: float) ->
     assert alike == pytest.approx(math.exp(-DT / slip_time) if slip_time else 0.0, abs=0.05)
 
 
+@pytest.mark.parametrize("correlation", [0.0, 0.5, 1.0])
+def test_gusts_have_their_deviation_duration_and_correlation(correlation: float) -> None:
+    of = bodies(gusts={"sigma": 0.01, "time": 0.2, "correlation": correlation})
+    pushes = []
+    for _ in range(20_000):
+        before = of.poses
+        of.move(np.zeros((3, 2)))
+        pushes.append((of.poses - before)[:, :2] / DT)
+    x = np.array(pushes)[:, :, 0]
+    assert x.std() == pytest.approx(0.01, rel=0.15)
+    assert np.corrcoef(x[:, 0], x[:, 2])[0, 1] == pytest.approx(correlation, abs=0.15)
+    assert np.corrcoef(x[20:, 1], x[:-20, 1])[0, 1] == pytest.approx(math.exp(-1.0), abs=0.1)
+
+
 def measured(keys: dict[str, Any], ticks: int = 200) -> tuple[list[Measured | None], list[FloatArray]]:
     """What sensors deliver tick by tick, and the true poses."""
     of = bodies(**keys)

@@ -5,17 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.kernels.jit import (
-    FLAG,
-    MATRIX_OUT,
-    REAL,
-    TABLE_OUT,
-    WHOLE,
-    WHOLE_MATRIX_OUT,
-    WHOLE_VECTOR_OUT,
-    kernel,
-    named,
-)
+from agents.kernels.jit import kernel
 from formation.arrays import FloatArray, IntArray
 from formation.bodies.nominal import Nominal
 
@@ -76,13 +66,70 @@ class Window(NamedTuple):
     """(1,) stamp of the newest own alarm."""
 
 
-WINDOW = named(
-    Window,
-    *(WHOLE_VECTOR_OUT, MATRIX_OUT, MATRIX_OUT, MATRIX_OUT, WHOLE_MATRIX_OUT) * 2,
-    *(TABLE_OUT, WHOLE_VECTOR_OUT, MATRIX_OUT, TABLE_OUT, WHOLE_MATRIX_OUT, TABLE_OUT, WHOLE_MATRIX_OUT),
-    *(WHOLE_VECTOR_OUT, WHOLE_VECTOR_OUT),
-)
-"""As compiled code sees it."""
+class FlatWindow(NamedTuple):
+    """The whole estimator of one robot as one typed value: `window_of` says what lies where.
+
+    Compiled code takes two arrays: taking the nineteen of a Window apart would cost more than most of what is done.
+    """
+
+    real: FloatArray
+    whole: IntArray
+    """whole[0] is W, the number of blocks."""
+
+    def copy(self) -> "FlatWindow":
+        """Another value, equal to this one."""
+        return FlatWindow(self.real.copy(), self.whole.copy())
+
+
+def _window_of(real: FloatArray, whole: IntArray) -> Window:
+    """The window that lies in the arrays of a FlatWindow; its arrays are views of them."""
+    w = whole[0]
+    n = 6 * w
+    core = n + n * n + 5 * w
+    a, b = core, 2 * core
+    c = b + w * LENGTH * 2
+    d = c + w * 3
+    e = d + w * LENGTH * 3
+    i, j = 2 + 2 * w, 3 + 4 * w
+    k, o = j + w, j + w + w * LENGTH
+    return Window(
+        whole[1:2],
+        real[:n].reshape((w, 6)),
+        real[n : n + n * n].reshape((n, n)),
+        real[n + n * n : a].reshape((w, 5)),
+        whole[2:i].reshape((w, 2)),
+        whole[i : i + 1],
+        real[a : a + n].reshape((w, 6)),
+        real[a + n : a + n + n * n].reshape((n, n)),
+        real[a + n + n * n : b].reshape((w, 5)),
+        whole[i + 1 : j].reshape((w, 2)),
+        real[b:c].reshape((w, LENGTH, 2)),
+        whole[j:k],
+        real[c:d].reshape((w, 3)),
+        real[d:e].reshape((w, LENGTH, 3)),
+        whole[k:o].reshape((w, LENGTH)),
+        real[e : e + w * LENGTH * 2].reshape((w, LENGTH, 2)),
+        whole[o : o + w * LENGTH].reshape((w, LENGTH)),
+        whole[o + w * LENGTH : o + w * LENGTH + 1],
+        whole[o + w * LENGTH + 1 : o + w * LENGTH + 2],
+    )
+
+
+window_of = kernel(_window_of)
+
+
+def _empty(w: int) -> FlatWindow:
+    """Room for a window of w blocks."""
+    n = 6 * w
+    real = np.zeros(2 * (n + n * n + 5 * w) + w * (7 * LENGTH + 3))
+    whole = np.zeros(5 + 5 * w + 2 * w * LENGTH, dtype=np.int64)
+    whole[0] = w
+    return FlatWindow(real, whole)
+
+
+def view(flat: FlatWindow) -> Window:
+    """The window that lies in a flat one: views of it, not a copy."""
+    return _window_of(*flat)
 
 
 @kernel
@@ -107,47 +154,26 @@ def copy(source: Core, to: Core) -> None:
     to.rejected[:] = source.rejected
 
 
-def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> Window:
+def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> FlatWindow:
     """A window that begins at a tick.
 
     Args:
         slots: (W, 3) where the own robot and those upstream are believed to be [m, m, rad].
         sigmas: (W, 2) standard deviations of that, position [m] and heading [rad].
-        tick: from which on odometry will be told.
+        tick: from which on odometry will be known.
     """
     w = len(slots)
-    mean = np.zeros((w, 6))
-    mean[:, :3] = slots
+    flat = _empty(w)
+    window = view(flat)
     spread = np.concatenate([sigmas[:, [0, 0, 1]], np.tile(DISTURBED, (w, 1))], axis=1)
-    core = Core(
-        np.full(1, tick, dtype=np.int64),
-        mean,
-        np.diag(np.square(spread).ravel()),
-        np.zeros((w, 5)),
-        np.zeros((w, 2), dtype=np.int64),
-    )
-    none = np.full((w, LENGTH), -1, dtype=np.int64)
-    return Window(
-        core.tick,
-        core.mean,
-        core.cov,
-        core.ewma,
-        core.rejected,
-        core.tick.copy(),
-        core.mean.copy(),
-        core.cov.copy(),
-        core.ewma.copy(),
-        core.rejected.copy(),
-        np.zeros((w, LENGTH, 2)),
-        np.full(w, tick, dtype=np.int64),
-        np.zeros((w, 3)),
-        np.zeros((w, LENGTH, 3)),
-        none,
-        np.zeros((w, LENGTH, 2)),
-        none.copy(),
-        np.full(1, tick, dtype=np.int64),
-        np.full(1, NO_ALARM, dtype=np.int64),
-    )
+    for mean, cov in ((window.base_mean, window.base_cov), (window.copy_mean, window.copy_cov)):
+        mean[:, :3] = slots
+        np.fill_diagonal(cov, np.square(spread).ravel())
+    for stamps in (window.base_tick, window.copy_tick, window.until, window.newest):
+        stamps[:] = tick
+    window.localised_at[:] = window.related_at[:] = -1
+    window.alarm[0] = NO_ALARM
+    return flat
 
 
 DISTURBED = (0.001, 0.001, 0.01)
@@ -157,7 +183,7 @@ NO_ALARM = -100_000
 
 
 class Tuning(NamedTuple):
-    """What the filter is told of the sensors (nominal values), as compiled code takes it."""
+    """What the filter knows of the sensors (nominal values); compiled code takes it as an array."""
 
     dt: float
     period: int
@@ -182,7 +208,13 @@ class Tuning(NamedTuple):
     detects: bool
 
 
-TUNING = named(Tuning, REAL, WHOLE, WHOLE, *(REAL,) * 9, FLAG)
+@kernel
+def tuning_of(q: FloatArray) -> Tuning:
+    """The constants that lie in an array, in their order."""
+    period, late = int(q[1]), int(q[2])
+    return Tuning(q[0], period, late, q[3], q[4], q[5], q[6], q[7], q[8], q[9], q[10], q[11], q[12] > 0.0)
+
+
 FINEST = (1e-5, 1e-5)
 """A sensor is taken to be no better than this [m, rad], unless everything is exact."""
 LEVELS = (0.01, 0.01, 0.05)

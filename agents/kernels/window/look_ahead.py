@@ -3,10 +3,11 @@
 import math
 
 from agents.kernels.drifting import between
-from agents.kernels.jit import MATRIX, NOTHING, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
+from agents.kernels.jit import kernel
+from agents.kernels.learning import Motors
 from agents.kernels.unicycle import step
-from agents.kernels.window_filter import HEARD_PLAN, TABLE_OF_SLOTS, Heard, Table, guess, roll_on
-from agents.kernels.window_state import DL, DV, DW, LENGTH, WINDOW, Window, estimate
+from agents.kernels.window.filter import Heard, Table, guess, roll_on
+from agents.kernels.window.state import DL, DV, DW, LENGTH, Window, estimate
 from formation.arrays import FloatArray
 
 
@@ -19,15 +20,13 @@ def drifted(pose: FloatArray, v: float, omega: float, lateral: float, dt: float)
     pose[1] += dt * lateral * math.cos(middle)
 
 
-@kernel_for(NOTHING, WINDOW, MATRIX, WHOLE, WHOLE, REAL, VECTOR, VECTOR, REAL, VECTOR_OUT, VECTOR_OUT, VECTOR_OUT)
+@kernel
 def look_ahead(
     w: Window,
-    commands: FloatArray,
+    motors: Motors,
     k: int,
     delay: int,
     rate: float,
-    change: FloatArray,
-    limits: FloatArray,
     dt: float,
     pose: FloatArray,
     speed: FloatArray,
@@ -37,17 +36,16 @@ def look_ahead(
 
     Args:
         w: the estimator.
-        commands: (LENGTH, 2) by the tick they were given, row t % LENGTH [m/s, rad/s].
+        motors: commands under way, and the wheels' limits.
         k: now.
         delay: d, ticks from a command to its effect.
         rate: share of the gap that wheels close in a tick, 1 - exp(-dt / lag).
-        change: (2,) largest change of a wheel speed in a tick [m/s, rad/s].
-        limits: (2,) of |v| and |omega|.
         dt: [s].
         pose: (3,), result.
         speed: (2,) of the wheels now; result: those at k + d.
         twist: (2,), result: mean body velocity on the way; without delay that of now.
     """
+    commands, limits, change = motors.commands, motors.limits, motors.change
     roll_on(w, k, pose, dt)
     d = estimate(w).mean[0]
     twist[0], twist[1] = 0.0, 0.0
@@ -63,7 +61,7 @@ def look_ahead(
         twist[0], twist[1] = speed[0] + d[DV], speed[1] + d[DW]
 
 
-@kernel_for(NOTHING, WINDOW, WHOLE, TABLE_OF_SLOTS, HEARD_PLAN, REAL, VECTOR_OUT)
+@kernel
 def neighbour_ahead(w: Window, to: int, table: Table, plan: Heard, dt: float, pose: FloatArray) -> None:
     """Block 1, the upstream neighbour as it is seen, carried on to tick `to`; into pose (3,).
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from agents.kernels.drifting import between, wrap_small
 from agents.kernels.jit import kernel
-from agents.kernels.window_state import DL, DV, DW, THETA, Core, Tuning
+from agents.kernels.window.state import DL, DV, DW, THETA, Core, Tuning
 from formation.arrays import FloatArray
 
 GATE, GATE_RELATIVE = 20.0, 25.0

@@ -11,35 +11,11 @@ import numpy as np
 
 from agents.kernels.drifting import slot_at, wrap_small
 from agents.kernels.jit import (
-    FLAG,
-    MATRIX,
-    MATRIX_OUT,
-    NOTHING,
-    REAL,
-    TABLE_OUT,
-    VECTOR_OUT,
-    WHOLE,
     kernel,
-    kernel_for,
-    named,
 )
 from agents.kernels.unicycle import step
-from agents.kernels.window_state import (
-    DL,
-    DV,
-    DW,
-    LENGTH,
-    SIGHT,
-    TUNING,
-    WINDOW,
-    Core,
-    Tuning,
-    Window,
-    base,
-    copy,
-    estimate,
-)
-from agents.kernels.window_steps import localise, predict, relate, scalar
+from agents.kernels.window.state import DL, DV, DW, LENGTH, SIGHT, Core, Tuning, Window, base, copy, estimate
+from agents.kernels.window.steps import localise, predict, relate, scalar
 from formation.arrays import FloatArray
 
 BACK = 120
@@ -73,9 +49,6 @@ class Table(NamedTuple):
     """Tick of row 0."""
 
 
-TABLE_OF_SLOTS = named(Table, TABLE_OUT, TABLE_OUT, WHOLE)
-
-
 class Heard(NamedTuple):
     """What the newest plan of the upstream neighbour says of how it moves."""
 
@@ -93,10 +66,7 @@ class Heard(NamedTuple):
     """(2,) d_v, d_w that the sender estimates of itself [m/s, rad/s]."""
 
 
-HEARD_PLAN = named(Heard, FLAG, REAL, REAL, MATRIX_OUT, VECTOR_OUT, VECTOR_OUT)
-
-
-@kernel_for(NOTHING, WINDOW, MATRIX, MATRIX, REAL)
+@kernel
 def hear(w: Window, odometry: FloatArray, rows: FloatArray, dt: float) -> None:
     """Take odometry and measurements from the upstream neighbour's plan; what was there before changes nothing.
 
@@ -131,10 +101,18 @@ def hear(w: Window, odometry: FloatArray, rows: FloatArray, dt: float) -> None:
             w.related_at[h, row] = t
 
 
-@kernel_for(MATRIX_OUT, WINDOW, WHOLE)
-def newest_rows(w: Window, hops: int) -> FloatArray:
-    """The last KEPT measurement stamps of the own robot and of `hops` - 1 upstream: (m, COLUMNS) for a plan."""
-    out = np.zeros((hops * KEPT, COLUMNS))
+@kernel
+def newest_rows(w: Window, hops: int, out: FloatArray) -> int:
+    """The last KEPT measurement stamps of the own robot and of `hops` - 1 upstream, for a plan.
+
+    Args:
+        w: the estimator.
+        hops: robots.
+        out: (hops * KEPT, COLUMNS), result.
+
+    Returns:
+        How many rows of `out` are used.
+    """
     count = 0
     for h in range(min(hops, len(w.until))):
         found, t = 0, w.until[h]
@@ -143,6 +121,7 @@ def newest_rows(w: Window, hops: int) -> FloatArray:
             row = t % LENGTH
             located, related = w.localised_at[h, row] == t, w.related_at[h, row] == t
             if located or related:
+                out[count] = 0.0
                 out[count, 0], out[count, 1] = h, t
                 if located:
                     out[count, 2] = 1.0
@@ -153,7 +132,7 @@ def newest_rows(w: Window, hops: int) -> FloatArray:
                 count += 1
                 found += 1
             t -= 1
-    return out[:count].copy()
+    return count
 
 
 @kernel
@@ -241,7 +220,7 @@ def _calm(core: Core, h: int) -> bool:
     return bool(core.cov[o + 3, o + 3] < CALM * CALM and core.cov[o + 4, o + 4] < CALM * CALM)
 
 
-@kernel_for(NOTHING, WINDOW, TABLE_OF_SLOTS, TABLE_OF_SLOTS, REAL, HEARD_PLAN, WHOLE, WHOLE, TUNING)
+@kernel
 def update(w: Window, table: Table, lagged: Table, lag: float, plan: Heard, mode: int, ring: int, q: Tuning) -> None:
     """Take in all that has arrived; afterwards `estimate(w)` stands at the own newest stamp.
 

@@ -1,0 +1,46 @@
+"""Laws of every command: its help stands, and whoever has read enough of its output hears no complaint."""
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from cli.main import COMMANDS, main, whole_parser
+from formation.scenario.json_schema import json_schema
+from formation.scenario.keys import keys
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_a_help(command: Any, capsys: Any) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([command, "--help"])
+    assert ended.value.code == 0
+    assert f"usage: echelon {command}" in capsys.readouterr().out
+
+
+def test_the_whole_parser_knows_what_each_command_takes() -> None:
+    parser = whole_parser()
+    assert parser.parse_args(["run", "circle", "--json"]).json
+    assert parser.parse_args(["fault", "set", "--loss", "30%"]).loss == "30%"
+
+
+def test_the_schema_and_the_keys_are_printed_as_they_are(capsys: Any) -> None:
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == json_schema()
+    assert main(["scenarios", "--keys", "--json"]) == 0
+    assert [key["path"] for key in json.loads(capsys.readouterr().out)["keys"]] == [key.path for key in keys()]
+    assert main(["scenarios", "--keys", "arena"]) == 0
+    text = capsys.readouterr().out
+    assert "bodies.arena" in text
+    assert "[m]" in text
+    assert main(["scenarios", "--keys", "latncy"]) == 2
+    assert "expected a part of a key" in capsys.readouterr().err
+
+
+def test_a_reader_that_has_enough_ends_it_quietly() -> None:
+    command = f"{sys.executable} -m cli.main schema | head -1"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False, timeout=60)
+    assert done.stdout == "{\n"
+    assert done.stderr == ""

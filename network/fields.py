@@ -67,8 +67,6 @@ Sums = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
 """(hops, 4) integrals of v and omega [m, rad], the tick before which they end, and that at which they began."""
 Measurements = Annotated[FloatArray, PlainValidator(ArrayOf(9, empty=True))]
 """(m, 9) hop, tick, 1 if localised, x, y, theta, 1 if related, x, y."""
-Sightings = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
-"""(m, 4) row of the observer, row of the other, its x and y in the observer's frame [m]."""
 News = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
 """(m, 4) robot row, need [s], its rate, tick."""
 Way = Annotated[FloatArray, PlainValidator(ArrayOf(6, empty=True))]

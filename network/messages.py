@@ -28,7 +28,6 @@ from network.fields import (
     Positive,
     Real,
     Sender,
-    Sightings,
     Sums,
     Text,
     Velocity,
@@ -69,8 +68,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
-    seen: Sightings = field(default_factory=lambda: values.NO_SIGHTINGS)
-    """Bodies that robots see now, with or without an agent."""
+    seen: Places = field(default_factory=lambda: values.NO_PLACES)
+    """(n n, 2) body j in the frame of robot i, with or without an agent; zeros: not in sight, no rows: nobody looks."""
     __pydantic_config__ = STRICT
 
 

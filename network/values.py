@@ -15,7 +15,6 @@ Mode = Literal["lockstep", "realtime"]
 
 STILL: FloatArray = frozen(np.zeros(2))
 NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
-NO_SIGHTINGS: FloatArray = frozen(np.zeros((0, 4)))
 NO_MEASUREMENTS, NO_NEWS, NO_WAY = (frozen(np.zeros((0, columns))) for columns in (9, 4, 6))
 """Nothing, of each shape."""
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from formation.arrays import FloatArray, frozen
 from formation.scenario.scenario import Scenario
-from network.values import NO_SIGHTINGS
+from network.values import NO_PLACES
 from world.bodies.draws import SIGHT, Draws
 
 
@@ -16,18 +16,15 @@ class Sight:
         self._range, self._works = scenario.robots.sight, scenario.robots.avoid
         self._sigma = scenario.bodies.relative.sigma or 0.0
         self._draws = Draws(scenario.seed, SIGHT, n, 2 * n)
-        self._one, self._other = np.nonzero(~np.eye(n, dtype=bool))
+        self._others = ~np.eye(n, dtype=bool)
 
     def see(self, tick: int, poses: FloatArray) -> FloatArray:
-        """(m, 4) of this tick, robots being at poses (n, 3): row of the observer, row of the other, x, y [m]."""
+        """(n n, 2): where row i n + j is body j in the frame of robot i at this tick; zeros: not in sight [m]."""
         if not self._works:
-            return NO_SIGHTINGS
-        gap = poses[self._other, :2] - poses[self._one, :2]
-        near = np.einsum("ij,ij->i", gap, gap) <= self._range**2
-        one, other, gap = self._one[near], self._other[near], gap[near]
-        c, s = np.cos(poses[one, 2]), np.sin(poses[one, 2])
-        seen = np.stack([one, other, c * gap[:, 0] + s * gap[:, 1], c * gap[:, 1] - s * gap[:, 0]], axis=1)
+            return NO_PLACES
+        places = poses[:, 0] + 1j * poses[:, 1]
+        seen = (places - places[:, None]) * np.exp(-1j * poses[:, 2])[:, None]
+        near = (np.abs(seen) <= self._range) & self._others
         if self._sigma > 0.0:
-            noise = self._draws.at(tick).reshape(len(poses), len(poses), 2)
-            seen[:, 2:] += self._sigma * noise[one, other]
-        return frozen(seen)
+            seen += self._sigma * self._draws.at(tick).view(complex)
+        return frozen((seen * near).view(float).reshape(-1, 2))

@@ -14,6 +14,7 @@ from agents.controllers.interface import Controller, NeighborEstimate, Observati
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
+from agents.driver_receiver import DriverReceiver
 from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
@@ -63,6 +64,7 @@ class Agent:
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
         if own.uses_downstream and scenario.size > 2:
             self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
+        self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
@@ -88,6 +90,8 @@ class Agent:
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
         if self._avoidance:
             self._avoidance.set_faults(faults)
+        if self._driver:
+            self._driver.set_faults(faults)
 
     @property
     def hears(self) -> list[int]:
@@ -125,6 +129,11 @@ class Agent:
                 self._task.hear(plan.way, k + self._motors.delay)
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
+        if self._driver:
+            self._driver.receive(tick)
+            preview = self._driver.preview(k) if k % self.planning == 0 or self._last is None else None
+            if preview is not None:
+                self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
         if self._avoidance:
             self._avoidance.look(tick)
@@ -258,7 +267,7 @@ class Agent:
             rejected=rejected,
             pid=pid,
             converged=self._converged,
-            way_age=self._task.way_age(k),
+            way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
             lost=self._sending.last is not None and self._sending.last.lost,
             keeps_off=self._keeps_off,
         )

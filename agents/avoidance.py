@@ -1,4 +1,4 @@
-"""The last filter on a command, whatever controller it is from: keep off the bodies in sight (docs/theory.md, 17)."""
+"""The last filter on a command, whatever controller it is from: keep off the bodies in sight (docs/theory.md, 19)."""
 
 import math
 from collections.abc import Mapping

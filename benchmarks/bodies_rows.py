@@ -6,37 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from experiments.study import study
+
 SIGHTED = ("G", "H", "J", "J2")
 """Rows in which robots see their upstream neighbour."""
 THROWN = (0.16, 0.16, 1.0)
 """Bounds of the velocity with which each robot is thrown in row M [m/s, m/s, rad/s]."""
 
-_SLIP: Mapping[str, Any] = {"slip": 0.2, "gyro": 0.2}
-_NOISY: Mapping[str, Any] = {**_SLIP, "localisation": {"position": 0.001, "heading": 0.01}}
-_EYES: Mapping[str, Any] = {
-    "rate": 20.0,
-    "age": 0.08,
-    "position": 0.003,
-    "heading": 0.01,
-    "outliers": 0.02,
-    "outlier_size": 0.05,
-}
-_SEEN: Mapping[str, Any] = {**_SLIP, "localisation": _EYES, "relative": {"sigma": 0.002}}
-_SLOW: Mapping[str, Any] = {"acceleration": 1.0, "turn_acceleration": 5.0}
-_CAMERA: Mapping[str, Any] = {
-    **_SEEN,
-    **_SLOW,
-    "lag": 0.1,
-    "scale": 0.03,
-    "turn_scale": 0.03,
-    "turn_offset": 0.01,
-    "delay": 0.1,
-}
-
-
-def _pushed(robot: int, at: float, until: float, speed: float) -> dict[str, Any]:
-    """A push along both axes of the world [m/s]."""
-    return {"robot": robot, "at": at, "until": until, "drift": [speed, speed, 0.0]}
+STUDY = {axis.name: axis for axis in study.load("when-talking-pays").axes}
+"""The rows and networks are that study's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +22,8 @@ class Row:
     """Robots of one kind, with what happens to them."""
 
     text: str
-    bodies: Mapping[str, Any]
-    disturbances: tuple[Mapping[str, Any], ...] = ()
+    table: Mapping[str, Any]
+    """Keys of the scenario."""
     duration: float = 26.0
     """[s]."""
     warmup: float = 10.0
@@ -55,8 +33,8 @@ class Row:
 
     def overrides(self, seed: int, robots: int) -> dict[str, Any]:
         """Keys of the scenario, for a seed and so many robots."""
-        disturbances = [*self.disturbances, *(_throws(seed, robots) if self.thrown else [])]
-        return {"duration": self.duration, "bodies": self.bodies, "disturbances": disturbances}
+        thrown = {"disturbances": _throws(seed, robots)} if self.thrown else {}
+        return {"duration": self.duration, **self.table, **thrown}
 
 
 def _throws(seed: int, robots: int) -> list[dict[str, Any]]:
@@ -65,33 +43,27 @@ def _throws(seed: int, robots: int) -> list[dict[str, Any]]:
     return [{"robot": i + 1, "at": 1.0, "until": 1.5, "drift": drift.tolist()} for i, drift in enumerate(drifts)]
 
 
+TEXTS = {
+    "A": "noise only",
+    "B": "lag 0.2 s, accelerations limited",
+    "C": "scales 5 %, offset 0.02 rad/s",
+    "D": "robot 2 pushed for 10 s",
+    "D2": "all robots pushed for 10 s",
+    "E": "robot 2 at most 0.03 m/s for 8 s",
+    "F": "robot 2 slips by half for 10 s",
+    "L": "robot 2 stuck for 3 s",
+    "G": "localisation by a camera, and sight",
+    "H": "as G; robot 2 not localised for 10 s",
+    "I": "commands 0.2 s late",
+    "J": "all that a camera's robots have",
+    "J2": "as J, two of them disturbed",
+}
 ROWS: Mapping[str, Row] = {
-    "A": Row("noise only", _NOISY),
-    "B": Row("lag 0.2 s, accelerations limited", {**_NOISY, **_SLOW, "lag": 0.2}),
-    "C": Row("scales 5 %, offset 0.02 rad/s", {**_NOISY, "scale": 0.05, "turn_scale": 0.05, "turn_offset": 0.02}),
-    "D": Row("robot 2 pushed for 10 s", _NOISY, (_pushed(2, 12.0, 22.0, 0.008),)),
-    "D2": Row("all robots pushed for 10 s", _NOISY, tuple(_pushed(robot, 12.0, 22.0, 0.008) for robot in (1, 2, 3))),
-    "E": Row("robot 2 at most 0.03 m/s for 8 s", _NOISY, ({"robot": 2, "at": 12.0, "until": 20.0, "speed": 0.03},)),
-    "F": Row("robot 2 slips by half for 10 s", _NOISY, ({"robot": 2, "at": 12.0, "until": 22.0, "drive": 0.5},)),
-    "L": Row("robot 2 stuck for 3 s", _NOISY, ({"robot": 2, "at": 12.0, "until": 15.0, "drive": 0.0},)),
-    "G": Row("localisation by a camera, and sight", _SEEN),
-    "H": Row(
-        "as G; robot 2 not localised for 10 s",
-        {**_SEEN, "localisation": {**_EYES, "dropouts": [{"robot": 2, "at": 12.0, "until": 22.0}]}},
-    ),
-    "I": Row("commands 0.2 s late", {**_NOISY, "delay": 0.2}),
-    "J": Row("all that a camera's robots have", _CAMERA),
-    "J2": Row(
-        "as J, two of them disturbed",
-        _CAMERA,
-        (_pushed(1, 11.0, 16.0, 0.006), {"robot": 2, "at": 18.0, "until": 24.0, "drive": 0.6}),
-    ),
-    "M": Row("all robots thrown", _NOISY, duration=20.0, warmup=0.0, thrown=True),
+    **{label: Row(text, STUDY["row"].overrides(label)) for label, text in TEXTS.items()},
+    "M": Row("all robots thrown", STUDY["row"].overrides("A"), duration=20.0, warmup=0.0, thrown=True),
 }
 NETWORKS: Mapping[str, Mapping[str, Any]] = {
-    "on time": {},
-    "late": {"link": {"latency": 0.3}},
-    "bursty": {"link": {"latency": 0.03, "loss": 0.3, "burst": 6.0}},
+    str(label): STUDY["network"].overrides(label) for label in STUDY["network"].labels
 }
 """Faults of every link between robots; a burst counts plans, one every second tick."""
 DEAF, SEES = "virtual_structure", "virtual_structure sees"

@@ -20,8 +20,12 @@ _ACTIONS = {
     "kill": "kill a robot's agent, and keep it down",
     "restart": "start a robot's agent again",
     "compare": "run a ghost beside it: another controller with the same faults; off: end it",
+    "drive": "order a driven formation a speed V [m/s] and a turn rate OMEGA [rad/s]",
+    "goto": "drive a driven formation's centre to X Y [m], and stop there",
     "stop": "end the run and its processes",
 }
+_PAIRS = {"drive": ("V", "OMEGA"), "goto": ("X", "Y")}
+"""Actions with two numbers."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,14 +39,31 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             action.add_argument("value", metavar="ROBOT", help="its number, from 1")
         elif name in ("speed", "scenario", "controller", "compare"):
             action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
+        elif name in _PAIRS:
+            action.add_argument("value", nargs=2, metavar=_PAIRS[name])
+        if name == "drive":
+            action.add_argument(
+                "--for", dest="seconds", metavar="S", help="then it stops; default: until the next order"
+            )
         add_run(action)
 
 
 def run(options: argparse.Namespace) -> None:
     """Send the operation to the world."""
-    operation = _operation(options.action, getattr(options, "value", ""))
+    if options.action in _PAIRS:
+        operation = _pair(options.action, options.value, getattr(options, "seconds", None))
+    else:
+        operation = _operation(options.action, getattr(options, "value", ""))
     with session(options) as live:
-        ask(live, operation)
+        done = ask(live, operation).value
+    if isinstance(operation, control.Drive) and (done.get("v"), done.get("omega")) != (operation.v, operation.omega):
+        print(f"drives at {done.get('v'):.3g} m/s and {done.get('omega'):.3g} rad/s, which is as fast as it can")
+
+
+def _pair(action: str, values: list[str], seconds: str | None) -> Operation:
+    names = [name.lower() for name in _PAIRS[action]]
+    numbers = {name: _number(action, value, float) for name, value in zip(names, values, strict=True)}
+    return control.operation(Request(action, {**numbers, **({} if seconds is None else {"seconds": seconds})}))
 
 
 def _operation(action: str, value: str) -> Operation:

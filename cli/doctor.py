@@ -1,28 +1,28 @@
-"""`echelon doctor`: whether this machine has what a run needs, and what to do where it has not."""
+"""`echelon doctor`: whether this machine has what a run needs, and what to do where it has not.
+
+It prints its table whatever is missing: a check imports what it needs, and one that fails is a line of the table.
+"""
 
 import argparse
 import json
 import os
+import resource
 import shutil
 import socket
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-
-from agents.kernels.jit_cache import cache_folder, compiled, wanted_place, writable
-from cli.up import DEFAULT_PORT, LOOPBACK
-from formation.errors import EchelonError
-from runtime.run_registry import SOCKET_PATH_LIMIT, folder, live
-
 BROWSERS = ("chromium", "google-chrome", "chromium-browser", "firefox", "xdg-open", "open")
 DISTRIBUTION = "echelon-formations"
+ADVISED_NAME = 25
+"""Letters of a run's name that have room in its folder's path."""
 ADVISED_CORES = 2
+ADVISED_FILES = 256
+"""Open files: a run of 64 robots with a page wants so many."""
 ADVISED_PYTHON = (3, 11)
 
 
@@ -45,41 +45,75 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print every check; exit code 1 if a run would fail."""
-    checks = [*_checks()]
+    checks = [check for group in _GROUPS for check in _guarded(group)]
     ready = all(check.ok for check in checks if check.needed)
     if options.json:
         print(json.dumps({"ready": ready, "checks": [asdict(check) for check in checks]}))
         return 0 if ready else 1
-    table = Table("check", "found", "", "what to do")
-    for check in checks:
-        mark = "[green]ok[/]" if check.ok else "[red]missing[/]" if check.needed else "[yellow]note[/]"
-        table.add_row(check.name, check.found, mark, "" if check.ok else check.advice)
-    console = Console()
-    console.print(table)
-    console.print("ready: echelon up" if ready else "not ready yet")
+    try:
+        _print(checks)
+    except ImportError:
+        for check in checks:
+            print(f"{check.name}: {check.found}, {_mark(check)}{'' if check.ok else f' ({check.advice})'}")
+    print("ready: echelon up" if ready else "not ready yet")
     return 0 if ready else 1
 
 
-def _checks() -> Iterator[Check]:
-    python = ".".join(map(str, sys.version_info[:3]))
-    yield Check("Python", python, sys.version_info >= ADVISED_PYTHON, True, "install Python 3.11 or newer")
-    yield from _packages()
+def _guarded(group: Callable[[], Iterator[Check]]) -> list[Check]:
+    """The checks of a group; what prevents one of them is its result."""
+    found = []
+    try:
+        for check in group():
+            found.append(check)
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        found.append(Check(group.__name__.strip("_"), reason, False, True, "mend what is missing above first"))
+    return found
+
+
+def _mark(check: Check) -> str:
+    return "ok" if check.ok else "missing" if check.needed else "note"
+
+
+def _print(checks: list[Check]) -> None:
+    from rich.console import Console  # noqa: PLC0415  may be missing
+    from rich.table import Table  # noqa: PLC0415
+
+    colours = {"ok": "green", "missing": "red", "note": "yellow"}
+    table = Table("check", "found", "", "what to do")
+    for check in checks:
+        mark = _mark(check)
+        table.add_row(check.name, check.found, f"[{colours[mark]}]{mark}[/]", "" if check.ok else check.advice)
+    Console().print(table)
+
+
+def _python() -> Iterator[Check]:
+    found = ".".join(map(str, sys.version_info[:3]))
+    yield Check("Python", found, sys.version_info >= ADVISED_PYTHON, True, "install Python 3.11 or newer")
+
+
+def _machine() -> Iterator[Check]:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     yield Check(
         "cores", str(cores), cores >= ADVISED_CORES, False, "real time with many robots wants two; lockstep is fine"
     )
-    yield _runs()
-    yield _cache()
+    limit = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    enough = limit == resource.RLIM_INFINITY or limit >= ADVISED_FILES
+    yield Check("open files", "any" if limit < 0 else str(limit), enough, False, f"ulimit -n {ADVISED_FILES}, or more")
+    browser = next((name for name in BROWSERS if shutil.which(name)), "")
+    yield Check("browser", browser or "none", bool(browser), False, "open the page with a browser that knows WebGL2")
+
+
+def _page() -> Iterator[Check]:
+    from cli.up import DEFAULT_PORT, LOOPBACK  # noqa: PLC0415
+
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((LOOPBACK, DEFAULT_PORT))
-            port = Check("port of the page", f"{DEFAULT_PORT} is free", True, False)
+            yield Check("port of the page", f"{DEFAULT_PORT} is free", True, False)
         except OSError:
-            port = Check("port of the page", f"{DEFAULT_PORT} is taken", False, False, "echelon up --port 0")
-    yield port
-    browser = next((name for name in BROWSERS if shutil.which(name)), "")
-    yield Check("browser", browser or "none", bool(browser), False, "open the page with a browser that knows WebGL2")
+            yield Check("port of the page", f"{DEFAULT_PORT} is taken", False, False, "echelon up --port 0")
 
 
 def _packages() -> Iterator[Check]:
@@ -97,23 +131,33 @@ def _packages() -> Iterator[Check]:
         yield Check(name, found, found == pinned, True, f"./echelon --help sets it up, or: pip install {wish}")
 
 
-def _runs() -> Check:
+def _runs() -> Iterator[Check]:
+    from formation.errors import EchelonError  # noqa: PLC0415
+    from runtime.run_registry import check_path, folder, live  # noqa: PLC0415
+
     try:
         path = folder()
+        check_path(path / ("x" * ADVISED_NAME))
         names = ", ".join(run.name for run in live()) or "none"
     except (EchelonError, OSError) as error:
-        return Check("folder for runs", str(error), False, True, "set ECHELON_RUNS to a folder of your own")
-    room = len(os.fsencode(path)) + 40 <= SOCKET_PATH_LIMIT
-    return Check("folder for runs", f"{path} (live: {names})", room, True, "set ECHELON_RUNS to a shorter path")
+        yield Check("folder for runs", str(error), False, True, "set ECHELON_RUNS to a folder of your own")
+        return
+    yield Check("folder for runs", f"{path} (live: {names})", True, True)
 
 
-def _cache() -> Check:
+def _solver() -> Iterator[Check]:
+    from agents.kernels.jit_cache import cache_folder, compiled, wanted_place, writable  # noqa: PLC0415
+    from formation.errors import EchelonError  # noqa: PLC0415
+
     wanted = wanted_place()
     good = wanted is not None and writable(wanted)
     try:
         text = "compiled" if compiled() else "compiled on first use, about half a minute"
         if not good:
-            text = f"{text}; kept in {cache_folder()}, as {wanted} cannot be written"
+            text = f"{text}; kept in {cache_folder()}, as {wanted or 'a home folder'} cannot be written"
     except EchelonError as error:
         text = str(error)
-    return Check("solver", text, good, True, "set ECHELON_CACHE to a folder that can be written")
+    yield Check("solver", text, good, True, "set ECHELON_CACHE to a folder that can be written")
+
+
+_GROUPS = (_python, _packages, _machine, _runs, _solver, _page)

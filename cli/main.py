@@ -2,12 +2,11 @@
 
 import argparse
 import importlib
-import os
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from cli.own_path import use_own_path
+from cli import program
 
 COMMANDS = {
     "up": "start a live run: its processes and the dashboard",
@@ -38,16 +37,43 @@ class _Parser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
 
+    Args:
+        arguments: of the command; None: this process is the program, and they are its own.
+
     Returns:
-        0; 2 for a mistake of the caller; 130 after Ctrl-C; or what the command returns.
+        0; 2 for a mistake of the caller, or if something outside prevents it; 130 after Ctrl-C; or what the command
+        returns.
     """
-    if arguments is None:
-        use_own_path()  # before anything else is imported
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    if _starts_processes(words):
-        importlib.import_module("runtime.fork_server").start_early()
-    options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
-    return _guarded(options)
+    if arguments is not None:
+        return _run(list(arguments), as_program=False)
+    program.begin()
+    try:
+        return _run(sys.argv[1:], as_program=True)
+    finally:
+        program.die_of_interrupts()
+
+
+def _run(words: Sequence[str], *, as_program: bool) -> int:
+    errors = importlib.import_module("formation.errors")
+    streams = importlib.import_module("runtime.streams")
+    try:
+        if _starts_processes(words):
+            importlib.import_module("runtime.fork_server").start_early()
+        options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
+        module = importlib.import_module(f"cli.{options.command}")
+        if as_program:
+            program.raise_interrupts()
+        code = int(module.run(options) or 0)
+        sys.stdout.flush()
+        return code
+    except streams.ReaderGoneError:  # `echelon scenarios --keys | head`
+        return 0
+    except (errors.EchelonError, OSError) as error:  # a full disk, too few open files: nothing that we could mend
+        for line in (str(error) or type(error).__name__).splitlines():
+            print(f"echelon {next(iter(words), '')}: {line}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
 
 
 def whole_parser() -> argparse.ArgumentParser:
@@ -71,24 +97,6 @@ def _starts_processes(words: Sequence[str]) -> bool:
     if not {"-h", "--help"}.isdisjoint(words):
         return False
     return words[:1] == ["up"] or (words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words))
-
-
-def _guarded(options: argparse.Namespace) -> int:
-    module = importlib.import_module(f"cli.{options.command}")
-    errors = importlib.import_module("formation.errors")
-    try:
-        code = int(module.run(options) or 0)
-        sys.stdout.flush()
-        return code
-    except errors.EchelonError as error:
-        for line in str(error).splitlines():
-            print(f"echelon {options.command}: {line}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:  # whoever reads what is printed has enough: `echelon scenarios --keys | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains when it ends
-        return 0
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ def _plain(state: State) -> dict[str, object]:
     fields = {field.name: getattr(state, field.name) for field in dataclasses.fields(state)}
     fields |= {
         "faults": {str(link): fault.plain() for link, fault in state.faults.items()},
+        "driving": dataclasses.asdict(state.driving),
         "events": [dataclasses.asdict(event) for event in state.events],
     }
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in fields.items()}
@@ -61,6 +62,11 @@ def _print(name: str, page: str, state: State) -> None:
         )
     console.print(table)
     console.print(f"centre to path {state.tracking_error * MILLI:.3f} mm")
+    driving = state.driving
+    if driving.goal is not None:
+        console.print(f"drives to ({driving.goal[0]:.3f}, {driving.goal[1]:.3f}) m")
+    elif driving.orders:
+        console.print(f"driven at {driving.v:.3g} m/s, {driving.omega:.3g} rad/s")
     for link, fault in sorted(state.faults.items()):
         console.print(f"link {link}: {fault.words()}", markup=False)
     for event in state.events[-5:]:

@@ -133,6 +133,18 @@ def examine(
     )
 
 
+def unexamined(robots: int, limits: tuple[float, float], reach: float) -> Feasibility:
+    """The report on a path that is not known before it is driven, within the limits.
+
+    Args:
+        robots: how many there are.
+        limits: of v and omega [m/s, rad/s].
+        reach: of the formation [m].
+    """
+    demands = tuple(Demand(robot, 0.0, "", 0.0, "") for robot in range(1, robots + 1))
+    return Feasibility(demands, limits, (), reach, 0.0, together=False, hint="")
+
+
 def _hint(motion: Motion, sharp: bool) -> str:
     path = motion.path
     if not isinstance(path, Waypoints):

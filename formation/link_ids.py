@@ -6,15 +6,16 @@ from typing import NamedTuple, Self
 from formation.errors import FaultError, unknown
 from formation.pattern import downstream, upstream
 
-WORLD = 0
-"""Number of the world as an end of a link; robots count from 1."""
-_END = r"(world|[1-9][0-9]?)"
-_LINK = re.compile(rf"{_END}->{_END}")
-_NAME = "world"
+WORLD, DRIVER = 0, -1
+"""Numbers of the world and of who drives the formation, as ends of a link; robots count from 1."""
+_SENDER, _RECEIVER = r"(world|driver|[1-9][0-9]?)", r"(world|[1-9][0-9]?)"
+_LINK = re.compile(rf"{_SENDER}->{_RECEIVER}")
+_NAMES = {WORLD: "world", DRIVER: "driver"}
+_NUMBERS = {name: number for number, name in _NAMES.items()}
 
 
 class LinkId(NamedTuple):
-    """A directed link. Its text is "1->2", "world->1" (poses) or "1->world" (commands)."""
+    """A directed link. Its text is "1->2", "world->1" (poses), "1->world" (commands) or "driver->1" (orders)."""
 
     sender: int
     receiver: int
@@ -31,7 +32,7 @@ class LinkId(NamedTuple):
         """
         found = _LINK.fullmatch(re.sub(r"\s*(->|→)\s*", "->", text.strip()))
         if found is None or found[1] == found[2]:
-            raise FaultError(f"expected a link such as 1->2, world->1 or 1->world; got {text!r:.40}")
+            raise FaultError(f"expected a link such as 1->2, world->1, 1->world or driver->1; got {text!r:.40}")
         return cls(_number(found[1]), _number(found[2]))
 
     @classmethod
@@ -55,12 +56,16 @@ class LinkId(NamedTuple):
         return cls(robot, WORLD)
 
 
+DRIVING = LinkId(DRIVER, 1)
+"""The link over which robot 1 hears orders, where the path is driven."""
+
+
 def _text(end: int) -> str:
-    return _NAME if end == WORLD else str(end)
+    return _NAMES.get(end, str(end))
 
 
 def _number(end: str) -> int:
-    return WORLD if end == _NAME else int(end)
+    return _NUMBERS[end] if end in _NUMBERS else int(end)
 
 
 def plan_links(robots: int, *, both: bool = False) -> list[LinkId]:
@@ -75,13 +80,13 @@ def plan_links(robots: int, *, both: bool = False) -> list[LinkId]:
     return ring + back
 
 
-def every_link(robots: int, *, both: bool = False) -> list[LinkId]:
-    """All links that can be given a fault: the ring, and each robot's poses and commands."""
+def every_link(robots: int, *, both: bool = False, driven: bool = False) -> list[LinkId]:
+    """All links that can be given a fault: the ring, each robot's poses and commands, and the orders of a driver."""
     own = [link for robot in range(1, robots + 1) for link in (LinkId.poses_to(robot), LinkId.commands_from(robot))]
-    return plan_links(robots, both=both) + own
+    return plan_links(robots, both=both) + own + ([DRIVING] if driven else [])
 
 
-def links_named(name: str, robots: int, *, both: bool = False) -> list[LinkId]:
+def links_named(name: str, robots: int, *, both: bool = False, driven: bool = False) -> list[LinkId]:
     """The links that `name` stands for: itself, or the ring's for "all".
 
     Raises:
@@ -89,7 +94,7 @@ def links_named(name: str, robots: int, *, both: bool = False) -> list[LinkId]:
     """
     if name.strip() == "all":
         return plan_links(robots, both=both)
-    links = every_link(robots, both=both)
+    links = every_link(robots, both=both, driven=driven)
     try:
         link = LinkId.parse(name)
     except FaultError:

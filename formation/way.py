@@ -1,4 +1,4 @@
-"""The reference of robots that do not know the path, from the previews of those that do (docs/theory.md, Way).
+"""The reference of robots that do not know the path, from the previews of those that do (docs/theory.md, section 17).
 
 Robot 1 sends where the formation's centre will be over one horizon; the others pass the newest preview on. A robot
 builds its slots from it as formation/slot_motion.py does from the path. Beyond the preview it goes on along an arc, and
@@ -37,18 +37,26 @@ class HeardReference:
     """The reference of some robots by tick, as Reference; but from what was heard, so it changes when more is heard."""
 
     def __init__(
-        self, offsets: Offsets, start: FloatArray, *, control_interval: float, stride: int, horizon: int
+        self,
+        offsets: Offsets,
+        start: FloatArray,
+        *,
+        control_interval: float,
+        stride: int,
+        horizon: int,
+        revised: bool = False,
     ) -> None:
         """A robot that knows the preview with which the episode begins.
 
         Args:
             offsets: of the robots wanted.
-            start: preview of tick 0.
+            start: preview with which it begins.
             control_interval: delta_t [s].
             stride: ticks in one prediction interval.
             horizon: N.
+            revised: whether a preview may differ from the ones before it where they overlap: the path is driven.
         """
-        self._offsets, self._tick, self._stride = offsets, control_interval, stride
+        self._offsets, self._tick, self._stride, self._revised = offsets, control_interval, stride, revised
         self._ahead = stride * (horizon + 1)
         self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
         self._take(start)
@@ -95,7 +103,7 @@ class HeardReference:
                 self._slope = apart[1] * math.exp(RETURN * self._tick) - apart[0]
         self.known = True
         # What both previews have stays, unless a gap was closed or is to be.
-        same = whole and not self._returning
+        same = whole and not self._returning and not self._revised
         self._fill(min(max(k, old_end - 3 * self._stride), self._filled) if same else k, k + self._ahead)
         return True
 
@@ -186,7 +194,7 @@ class HeardReference:
             begin,
             centre[1:-1, X - 1 : Y],
             centre[1:-1, THETA - 1],
-            self._slots(centre),
+            slots_along(centre, self._offsets, self._tick),
             self._stride,
             self._stride * self._tick,
         )
@@ -202,11 +210,17 @@ class HeardReference:
         for name in ("centre", "slots", "inputs"):
             getattr(self._block, name)[:count] = getattr(old, name)[kept]
 
-    def _slots(self, centre: FloatArray) -> FloatArray:
-        """Slot poses (T, n, 3) of rows (T + 2, 5): where they are, and the direction in which they move."""
-        places = centre[:, None, X - 1 : Y] + rotate(centre[:, None, FACING - 1], self._offsets.at(centre[:, TIME - 1]))
-        velocity = (places[2:] - places[:-2]) / (2.0 * self._tick)
-        theta = centre[1:-1, None, THETA - 1]
-        body = rotate(-theta, velocity)
-        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-        return np.concatenate([places[1:-1], (theta + drift)[..., None]], axis=-1)
+
+def places_along(centre: FloatArray, offsets: Offsets) -> FloatArray:
+    """Slot positions (T, n, 2) where the centre is at rows (T, 5) of path time, x, y, heading and facing [m]."""
+    return centre[:, None, X - 1 : Y] + rotate(centre[:, None, FACING - 1], offsets.at(centre[:, TIME - 1]))
+
+
+def slots_along(centre: FloatArray, offsets: Offsets, tick: float) -> FloatArray:
+    """Slot poses (T, n, 3) of rows (T + 2, 5), a tick apart: where they are, and the direction in which they move."""
+    places = places_along(centre, offsets)
+    velocity = (places[2:] - places[:-2]) / (2.0 * tick)
+    theta = centre[1:-1, None, THETA - 1]
+    body = rotate(-theta, velocity)
+    drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+    return np.concatenate([places[1:-1], (theta + drift)[..., None]], axis=-1)

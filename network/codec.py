@@ -19,13 +19,13 @@ from formation.link_ids import LinkId
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
 from network.topics import MESSAGES
-from network.values import Event, LinkCounts
+from network.values import Driving, Event, LinkCounts
 
 MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")
 _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
-    kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event)
+    kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event, Driving)
 }
 _ADAPTERS: dict[type, TypeAdapter[Any]] = {}
 

@@ -2,16 +2,19 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
+from formation.paths.driven import OrderedSpeed, OrderedTurn
 from formation.scenario.registry import check_name
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
 from network.fields import Link
 from network.messages import Request
 
+MAX_SECONDS, FARTHEST = 1e6, 1e6
+"""Of an order [s], and of a goal [m]."""
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
@@ -110,21 +113,46 @@ class GetSetup(_Operation):
     """Answered by a Setup instead of a Reply."""
 
 
-class GetFaults(_Operation):
-    """The reply's value is a FaultTables: the fault tables of this episode so far, in parts."""
+class Drive(_Operation):
+    """Order a driven formation a speed and a turn rate, cut to what it can do."""
 
-    known: Annotated[int, Field(ge=0)] = 0
-    """Number of tables to leave out, because the client has them."""
+    v: OrderedSpeed
+    """Speed of the centre; below 0 backwards [m/s]."""
+    omega: OrderedTurn
+    """Turn rate of the centre, counter-clockwise positive [rad/s]."""
+    seconds: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
+    """Simulated time after which it slows to a stop; None: the order counts until the next one."""
 
 
-class FaultTables(_Operation):
-    """Fault tables of an episode: every link that is not perfect, from each stamp on."""
+class GoTo(_Operation):
+    """Drive the centre of a driven formation to a point, and stop there."""
+
+    x: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
+    """Of the point [m]."""
+    y: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
+    """Of the point [m]."""
+
+
+class GetOrders(_Operation):
+    """The reply's value is an Orders: what repeats this episode so far, in parts."""
+
+    tables: Annotated[int, Field(ge=0)] = 0
+    """Number of fault tables to leave out, because the client has them."""
+    drives: Annotated[int, Field(ge=0)] = 0
+    """Number of drive orders to leave out, because the client has them."""
+
+
+class Orders(_Operation):
+    """What users and the schedule did to an episode: its fault tables, and the orders of its driver."""
 
     episode: int
     changes: int
-    """Number of tables in this episode so far; request again for those that are not in this reply."""
+    drive_changes: int
+    """Number of tables and of drive orders in this episode so far; request again for those that are missing here."""
     tables: list[tuple[NonNegative, dict[Link, Fault]]]
-    """The first table of an episode is the one at t = 0."""
+    """Every link that is not perfect, from each stamp on. The first table of an episode is the one at t = 0."""
+    drives: list[tuple[Annotated[int, Field(ge=0)], OrderedSpeed, OrderedTurn]]
+    """Tick from which on it counts, v [m/s], omega [rad/s]."""
 
 
 class GetSummary(_Operation):
@@ -149,7 +177,9 @@ Operation = (
     | Compare
     | Stop
     | GetSetup
-    | GetFaults
+    | Drive
+    | GoTo
+    | GetOrders
     | GetSummary
 )
 OPERATIONS: dict[str, type[Operation]] = {
@@ -168,7 +198,9 @@ OPERATIONS: dict[str, type[Operation]] = {
     "compare": Compare,
     "stop": Stop,
     "setup": GetSetup,
-    "faults": GetFaults,
+    "drive": Drive,
+    "goto": GoTo,
+    "orders": GetOrders,
     "summary": GetSummary,
 }
 _NAMES = {model: name for name, model in OPERATIONS.items()}

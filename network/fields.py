@@ -25,6 +25,8 @@ class ArrayOf:
     """None for one or more; with 1 the array has one dimension."""
     empty: bool = False
     """Whether there may be no rows."""
+    most: tuple[float, ...] | None = None
+    """By column, the largest absolute value."""
 
     def __call__(self, data: object) -> FloatArray:
         columns = self.columns or 1
@@ -35,6 +37,8 @@ class ArrayOf:
             raise ValueError("expected finite numbers")
         if self.rows is not None and array.size != self.rows * columns:
             raise ValueError(f"expected {self.rows * columns} numbers; got {array.size}")
+        if self.most is not None and np.any(np.abs(array.reshape(-1, columns)) > self.most):
+            raise ValueError(f"expected numbers up to {self.most}")
         return array if self.columns is None or self.rows == 1 else array.reshape(-1, columns)
 
 
@@ -72,6 +76,18 @@ News = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
 Way = Annotated[FloatArray, PlainValidator(ArrayOf(6, empty=True))]
 """(m, 6) tick, and there the path's time [s], x, y of the formation's centre [m], the path's heading, and which way the
 formation faces [rad]."""
+FAR, ROUND, FAST = 1e7, 1e6, 100.0
+"""Bounds of what a driver sends: places [m], angles [rad], speeds [m/s, rad/s]."""
+Far = Annotated[float, Field(strict=True, ge=-FAR, le=FAR)]
+Fast = Annotated[float, Field(strict=True, ge=-FAST, le=FAST)]
+Drive = Annotated[
+    FloatArray,
+    PlainValidator(
+        ArrayOf(11, empty=True, most=(2.0**53, 2.0**53, FAR, FAR, ROUND, ROUND, FAST, FAST, FAST, FAST, FAST))
+    ),
+]
+"""(1 or 0, 11) number of the message, tick, and there x, y of the formation's centre [m], its heading, which way the
+formation faces [rad], its v, omega and rotation [m/s, rad/s, rad/s]; the v and omega that are ordered."""
 Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]

@@ -1,7 +1,6 @@
 """The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
 
-`stamp` is simulated time [s]; `episode` changes with every reset, so that messages of an earlier episode are not taken
-for messages of this one. Robots are numbered from 1. network/codec.py encodes and decodes them.
+`stamp` is simulated time [s]; every reset begins another `episode`. Robots count from 1. network/codec.py has the bytes.
 """
 
 from dataclasses import dataclass, field
@@ -13,6 +12,7 @@ from network import values
 from network.fields import (
     STRICT,
     Count,
+    Drive,
     Flag,
     Inputs,
     Link,
@@ -33,12 +33,11 @@ from network.fields import (
     Velocity,
     Way,
 )
-from network.values import STILL, Event, LinkCounts, Mode, RunStatus
+from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 4
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = link_ids.WORLD
-"""Sender number of the world; robots count from 1."""
+WORLD = link_ids.WORLD  # the sender number of the world
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +69,8 @@ class Tick:
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
     seen: Places = field(default_factory=lambda: values.NO_PLACES)
     """(n n, 2) body j in the frame of robot i, with or without an agent; zeros: not in sight, no rows: nobody looks."""
+    drive: Drive = field(default_factory=lambda: values.NO_DRIVE)
+    """To robot 1, over the link driver->1: what its driver sends at this tick."""
     __pydantic_config__ = STRICT
 
 
@@ -96,11 +97,11 @@ class Plan:
     """From `stamp` to when the plan begins: the time after which the sender's commands have an effect [s]."""
     waits: Flag = False
     """Whether it holds its lag up by its own need."""
-    drift: Velocity = field(default_factory=lambda: STILL)
+    drift: Velocity = field(default_factory=lambda: values.STILL)
     """Estimated velocity that carries it sideways, in the world frame [m/s]."""
-    twist: Velocity = field(default_factory=lambda: STILL)
+    twist: Velocity = field(default_factory=lambda: values.STILL)
     """Mean body velocity from `stamp` to `begins` [m/s, rad/s]."""
-    disturbance: Velocity = field(default_factory=lambda: STILL)
+    disturbance: Velocity = field(default_factory=lambda: values.STILL)
     """What it estimates to disturb its v and omega [m/s, rad/s]."""
     odometry: Sums = field(default_factory=lambda: values.NO_SUMS)
     """Since its agent began: of the sender, then of the robots upstream of it that it passes on."""
@@ -175,13 +176,12 @@ class Status:
     """Payloads that were not valid messages."""
     pid: Count
     converged: Flag = True
-    """As in the Command of the same tick."""
+    keeps_off: Sender = 0
+    """Both as in the Command of the same tick."""
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
     lost: Flag = False
     """As in Plan."""
-    keeps_off: Sender = 0
-    """As in the Command of the same tick."""
     __pydantic_config__ = STRICT
 
 
@@ -236,6 +236,8 @@ class State:
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
+    driving: Driving = field(default_factory=Driving)
+    """The driver's orders, where the path is driven."""
     __pydantic_config__ = STRICT
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
-from network.fields import STRICT, Count, NonNegative, Text
+from network.fields import STRICT, Count, Far, Fast, NonNegative, Text
 
 Severity = Literal["info", "warning", "error"]
 Mode = Literal["lockstep", "realtime"]
@@ -15,7 +15,7 @@ Mode = Literal["lockstep", "realtime"]
 
 STILL: FloatArray = frozen(np.zeros(2))
 NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
-NO_MEASUREMENTS, NO_NEWS, NO_WAY = (frozen(np.zeros((0, columns))) for columns in (9, 4, 6))
+NO_MEASUREMENTS, NO_NEWS, NO_WAY, NO_DRIVE = (frozen(np.zeros((0, columns))) for columns in (9, 4, 6, 11))
 """Nothing, of each shape."""
 
 
@@ -43,10 +43,25 @@ class Event:
 
     number: Count
     stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire"]
+    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive"]
     text: Text
     severity: Severity = "info"
     """How much it matters; info also when something is well again. Set by who raises the event."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """What drives a formation whose path is driven."""
+
+    orders: Count = 0
+    """Number of orders in this episode."""
+    v: Fast = 0.0
+    """Speed that is ordered now [m/s]."""
+    omega: Fast = 0.0
+    """Turn rate that is ordered now [rad/s]."""
+    goal: tuple[Far, Far] | None = None
+    """Where the centre is driving to [m]; None if it follows an order."""
     __pydantic_config__ = STRICT
 
 

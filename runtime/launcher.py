@@ -19,19 +19,27 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
+from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 
 WATCH_SECONDS = 0.05
+SUMMARY_SECONDS = 600.0
+"""Longest wait for the measures of an episode [s]; those of 64 robots and an hour take many seconds."""
 
 
-_ENDINGS = (signal.SIGINT, signal.SIGTERM)
+_ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
+
+
+def _ignored() -> set[signal.Signals]:
+    """Of nohup, which wants the run to outlive its terminal."""
+    return {number for number in (signal.SIGHUP,) if signal.getsignal(number) is signal.SIG_IGN}
 
 
 class LiveRun:
@@ -47,7 +55,7 @@ class LiveRun:
         tell: Callable[[str], None],
         **options: Any,
     ) -> None:
-        """Claim the name; nothing is started yet.
+        """Without a name or a process yet.
 
         Args:
             name: of the run.
@@ -57,32 +65,27 @@ class LiveRun:
             options: of runtime.process_list.RunPlan.
 
         Raises:
-            EchelonError: the name is in use, or the controller cannot run as processes.
+            EchelonError: the controller cannot run as processes.
         """
         check_live(scenario.controller.name)
         self._scenario, self._tell = scenario, tell
-        page = options.get("dashboard")
-        address = Guard(page[0], options.get("token")).address(page[1]) if page else ""
-        self._claim = Claim(name, page=address)
-        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
-            # A pipe can be read once only, and nobody else needs the files that a scenario names.
-            file = self._claim.path / "scenario.json"
-            file.write_text(scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
-            source, overrides = str(file), {}
-        self._plan = RunPlan(
-            name, source, self._claim.endpoint, self._claim.endpoint, overrides, folder=str(self._claim.path), **options
-        )
+        self._name, self._source, self._overrides, self._options = name, source, overrides, options
+        self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
         self._handlers: dict[signal.Signals, Any] = {}
         self._session: ZenohBus | None = None
         self._state: State | None = None
 
     def __enter__(self) -> Self:
+        """Claim the name and start the processes. Raises EchelonError: the name is in use, or it cannot be done."""
         # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
-        self._handlers = {number: signal.signal(number, _interrupt) for number in _ENDINGS}
+        self._handlers = {number: signal.signal(number, _interrupt) for number in _ENDINGS if number not in _ignored()}
         try:
+            self._plan = self._claimed()
             ensure_compiled(self._tell)
-            self._supervisor.start(programs(self._plan, self._scenario))
+            wanted = programs(self._plan, self._scenario)
+            check_enough(len(wanted))
+            self._supervisor.start(wanted)
             self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
             self._session.appear("launcher")
@@ -91,15 +94,31 @@ class LiveRun:
             raise
         return self
 
+    def _claimed(self) -> RunPlan:
+        """Claim the name; what the run's processes need to know."""
+        source, overrides = self._source, self._overrides
+        page = self._options.get("dashboard")
+        address = Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
+        self._claim = claim = Claim(self._name, page=address)
+        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
+            # A pipe can be read once only, and nobody else needs the files that a scenario names.
+            file = claim.path / "scenario.json"
+            file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
+            source, overrides = str(file), {}
+        return RunPlan(
+            self._name, source, claim.endpoint, claim.endpoint, overrides, folder=str(claim.path), **self._options
+        )
+
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for number in _ENDINGS:  # a second Ctrl-C must not interrupt the tidying up
+        for number in self._handlers:  # a second Ctrl-C must not interrupt the tidying up
             signal.signal(number, signal.SIG_IGN)
         if self._session is not None:  # before its router goes: closing a dead link takes long
             self._session.close()
         self._supervisor.stop()
-        self._claim.__exit__()
+        if self._claim is not None:
+            self._claim.__exit__()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
 
@@ -137,7 +156,7 @@ class LiveRun:
     def summary(self, warmup: float) -> dict[str, Any]:
         """The summary of the episode. Raises EchelonError if the world does not answer."""
         assert self._session is not None
-        reply = self._session.ask(GetSummary(warmup=warmup), timeout=10.0)
+        reply = self._session.ask(GetSummary(warmup=warmup), timeout=SUMMARY_SECONDS)
         if reply is None or not reply.ok:
             raise EchelonError(f"expected the summary of the episode; got {reply.reason if reply else 'no answer'}")
         return reply.value

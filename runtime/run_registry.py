@@ -18,6 +18,8 @@ PATIENCE_SECONDS = 0.5
 """Longest wait for the lock of a run's name [s]."""
 SOCKET_PATH_LIMIT = 107
 """Longest path of a unix socket [bytes]."""
+NOT_IN_ENDPOINTS = "#?"
+"""What begins something else in a Zenoh endpoint: the socket would lie at the path before it, outside the folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,14 @@ def folder() -> Path:
     return base
 
 
+def check_path(path: Path) -> None:
+    """Refuse a run's folder in which no socket can be. Raises EchelonError."""
+    if any(character in str(path) for character in NOT_IN_ENDPOINTS):
+        raise EchelonError(f"expected a path for sockets without # and ?; got {path}; set {VARIABLE} to one")
+    if len(os.fsencode(path / "router.sock")) > SOCKET_PATH_LIMIT:
+        raise EchelonError(f"expected a shorter path for sockets than {path}; set {VARIABLE} to one")
+
+
 class Claim:
     """A claimed name of a run; while it is held, no other process can claim it. Use as a context manager."""
 
@@ -59,11 +69,16 @@ class Claim:
         if not name.replace("-", "").replace("_", "").replace(".", "").isalnum() or not name[0].isalnum():
             raise EchelonError(f"--run: expected letters, digits, '-', '_' and '.'; got {name!r}")
         self.path = folder() / name
+        check_path(self.path)
         self.endpoint = f"unixsock-stream/{self.path / 'router.sock'}"
-        if len(os.fsencode(self.path / "router.sock")) > SOCKET_PATH_LIMIT:
-            raise EchelonError(f"expected a shorter path for sockets than {self.path}; set {VARIABLE} to one")
         self._lock = self._take()
-        (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+        try:
+            (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+        except BaseException as error:
+            remove(self.path, self._lock)
+            if isinstance(error, OSError):
+                raise EchelonError(f"expected a place for runs; {self.path} cannot be used: {error.strerror}") from None
+            raise
 
     def _take(self) -> IO[bytes]:
         """The lock; a process that checks whether the run is live may hold it for a moment."""

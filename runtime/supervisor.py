@@ -2,6 +2,7 @@
 
 import gc
 import importlib
+import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -51,8 +52,9 @@ class Supervisor:
             process = self._context.Process(
                 target=_enter, args=(program.module, program.arguments, f"echelon {self._run}: {program.name}")
             )
-            process.start()
-            self._running[program] = process
+            with fork_server.held_signals():  # a process that is started is known, or nobody would end it
+                process.start()
+                self._running[program] = process
 
     def keep_down(self, numbers: Iterable[int]) -> None:
         """Kill the agents of these robots, and do not bring them back; `start` does."""
@@ -123,5 +125,6 @@ def _cause(code: int) -> str:
 def _enter(module: str, arguments: tuple[str, ...], title: str) -> None:
     """Entry of one process, in a child of the fork server."""
     gc.enable()
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     setproctitle(title)
     sys.exit(importlib.import_module(f"{module}.__main__").main(list(arguments)))

@@ -95,6 +95,9 @@ def _is_array(rule: object) -> bool:
 
 
 def _array(shape: ArrayOf) -> st.SearchStrategy[FloatArray]:
+    if shape.most is not None and shape.columns is not None:
+        bound = np.array(shape.most)
+        return arrays(shape.columns, 0 if shape.empty else 1).map(lambda values: np.clip(values, -bound, bound))
     if shape.columns is None:
         return arrays(1, 0).map(lambda values: values[:, 0].copy())
     if shape.rows == 1:

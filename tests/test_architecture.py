@@ -42,6 +42,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"schedule"},
         {"reference", "feasibility"},
         {"way"},
+        {"driving"},
         {"scenario"},
     ],
     "network": [
@@ -57,7 +58,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "agents": [
         {"kernels", "states"},
         {"controllers"},
-        {"belief", "estimator", "motor_model"},
+        {"belief", "driver_receiver", "estimator", "motor_model"},
         {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},
@@ -65,7 +66,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "contacts", "convergence", "states", "command_links"},
+        {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
         {"trace", "rate", "sight"},
         {"world"},
         {"presence"},

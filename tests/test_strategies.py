@@ -11,17 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, Field, TypeAdapter
 
-from formation.bodies.spec import BodyLimits
 from formation.disturbances import Disturbance
 from formation.faults import Fault
-from formation.scenario.scenario import Noise, StartNoise
+from formation.scenario.robots import Limits, Noise, StartNoise
 from network.fields import Count, Inputs, Numbers, Pose, Positive
 from network.messages import Message
-from network.values import Event, LinkCounts
+from network.values import Driving, Event, LinkCounts
 from tests.strategies import of
 
-WHOLE = [*typing.get_args(Message), LinkCounts, Event, Fault]
-MODELS = [Fault, Disturbance, BodyLimits, Noise, StartNoise]
+WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Fault]
+MODELS = [Fault, Disturbance, Limits, Noise, StartNoise]
 
 
 def fields_of(kind: Any) -> Iterator[str]:

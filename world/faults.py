@@ -67,12 +67,15 @@ class FaultState:
         """Whether plans also go upstream."""
         return self.scenario.controller.uses_downstream
 
+    def _named(self, link: str) -> list[LinkId]:
+        return links_named(link, self.scenario.size, both=self._both, driven=self.scenario.driven)
+
     def _made_of(self, active: tuple[int, ...]) -> dict[LinkId, Fault]:
         size, both = self.scenario.size, self._both
         table = dict.fromkeys(plan_links(size, both=both), self.scenario.link)
         for index in active:
             entry = self.scenario.faults[index]
-            for link in links_named(entry.link, size, both=both):
+            for link in self._named(entry.link):
                 if (index, link) not in self._cancelled:
                     table[link] = with_changes(table.get(link, PERFECT), entry.changes())
         for wish in self._wishes:
@@ -85,7 +88,7 @@ class FaultState:
         Raises:
             FaultError: no such link, an unknown key, or a value out of range; then nothing has changed.
         """
-        links = links_named(link, self.scenario.size, both=self._both)
+        links = self._named(link)
         for name in links:
             with_changes(self.table.get(name, PERFECT), changes)
         self._wishes = [*self._wishes, *(_Wish(name, dict(changes), until) for name in links)]
@@ -111,8 +114,9 @@ class FaultState:
         Raises:
             FaultError: no such link.
         """
-        size, both = self.scenario.size, self._both
-        links = every_link(size, both=both) if link.strip() == "all" else links_named(link, size, both=both)
+        scenario = self.scenario
+        every = every_link(scenario.size, both=self._both, driven=scenario.driven)
+        links = every if link.strip() == "all" else self._named(link)
         self._wishes = [wish for wish in self._wishes if wish.link not in links]
         running = [index for index, entry in enumerate(self.scenario.faults) if _on(entry, now)]
         self._cancelled |= {(index, name) for index in running for name in links}

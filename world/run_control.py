@@ -1,8 +1,9 @@
 """The operations that users request of a run: state of the run, and their execution."""
 
+from collections.abc import Callable
 from typing import Any
 
-from formation.errors import ScenarioError, unknown
+from formation.errors import EchelonError, ScenarioError, unknown
 from formation.faults import preset
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load, parse, shipped
@@ -11,11 +12,12 @@ from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
 from network.values import RunStatus
+from world.driver import Driver
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
 
-BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step)
+BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step, control.Drive, control.GoTo)
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 
 
@@ -100,8 +102,12 @@ class RunControl:
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
                 self.compare = "" if name == "off" else name
-            case control.GetFaults(known=known):
-                return self._faults_since(known)
+            case control.Drive(v=v, omega=omega, seconds=seconds):
+                return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
+            case control.GoTo(x=x, y=y):
+                return self._drive(lambda driver: driver.go_to(world.k, x, y))
+            case control.GetOrders(tables=tables, drives=drives):
+                return self._orders_since(tables, drives)
             case control.Stop():
                 self.stop = True
             case control.GetSummary(warmup=warmup):
@@ -110,10 +116,29 @@ class RunControl:
                 return {**world.summary(warmup=warmup), **figures}
         return {}
 
-    def _faults_since(self, known: int) -> dict[str, Any]:
+    def _drive(self, order: Callable[[Driver], list[str]]) -> dict[str, Any]:
+        """Give the driver an order; the reply's value is what it does from which tick on."""
         world = self._world
-        tables = world.faults.since(known)
-        return {"episode": world.episode, "changes": world.faults.changes, "tables": tables}
+        if world.driver is None:
+            raise EchelonError(
+                f'expected a scenario whose path is driven (path.kind = "driven", such as drive-me); got '
+                f"{world.scenario.name}, path {world.scenario.path.kind}"
+            )
+        for line in order(world.driver):
+            world.event("drive", line)
+        shown = world.driver.shown
+        return {"tick": world.k, "v": shown.v, "omega": shown.omega}
+
+    def _orders_since(self, tables: int, drives: int) -> dict[str, Any]:
+        world = self._world
+        driver = world.driver
+        return {
+            "episode": world.episode,
+            "changes": world.faults.changes,
+            "drive_changes": driver.count if driver else 0,
+            "tables": world.faults.since(tables),
+            "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
+        }
 
     def _reset(self) -> None:
         self._world.reset()

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, timeline
+from formation.driving.reference import DrivenReference
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error
+from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
@@ -19,8 +21,8 @@ from world.convergence import Convergence
 class Trace:
     """Poses, ages and solve times of one episode of known length."""
 
-    def __init__(self, scenario: Scenario, ticks: int) -> None:
-        self._scenario = scenario
+    def __init__(self, scenario: Scenario, ticks: int, reference: Reference | DrivenReference) -> None:
+        self._scenario, self._reference = scenario, reference
         n = scenario.size
         self._poses = np.zeros((ticks + 1, n, 3))
         self._inputs = np.zeros((ticks, n, 2))
@@ -74,7 +76,7 @@ class Trace:
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        reference = self._scenario.reference()
+        reference = self._reference
         distance, angle = pattern_errors(poses, reference.positions(t))
         return distance, angle, tracking_error(poses, reference.centre(t))
 
@@ -119,7 +121,7 @@ class Trace:
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
-            "reference_lag_s": scenario.reference().lag(done * scenario.control_interval),
+            "reference_lag_s": self._reference.lag(done * scenario.control_interval),
             "links": {
                 str(link): {
                     "sent": c.sent,

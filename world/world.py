@@ -13,14 +13,14 @@ from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
-from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Command, Setup, State, Status, Tick
-from network.values import NO_PLACES, NO_POSES, Event, LinkCounts, Mode, RunStatus
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
+from world.driver import Driver
 from world.faults import FaultState
 from world.sight import Sight
 from world.trace import Trace
@@ -55,11 +55,13 @@ class World:
         scenario = self._scenario
         self.k = 0
         self._earlier_events = self._event_count
-        self.endless = self._endless_wish and scenario.path.period is not None
+        self.endless = self._endless_wish and scenario.path.endless
         self.plant, self._sight = bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks)
+        self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
+        self._reference = self.driver.reference if self.driver else scenario.reference()
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self._reference)
         if self.trace:
             self.trace.start(self.plant.poses)
         self.counts: dict[LinkId, LinkCounts] = {}
@@ -67,12 +69,12 @@ class World:
         self.live: set[int] = set()
         self.convergence = Convergence()
         self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
-        self._reference: Reference = scenario.reference()
         self._commands = CommandLinks(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
         self._look()
+        self._drive()
 
     # ------------------------------------------------------------------ state
 
@@ -115,6 +117,7 @@ class World:
                 relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
                 seen=self._sight.see(self.k, self.plant.poses),
+                drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
         return self._tick
 
@@ -137,7 +140,13 @@ class World:
         self.k += 1
         self._look()
         self._tick = None
+        self._drive()
         self._apply_faults()
+
+    def _drive(self) -> None:
+        """The driver's orders for the tick that is computed next."""
+        for line in self.driver.begin(self.k) if self.driver else ():
+            self.event("drive", line)
 
     def _look(self) -> None:
         """Count who touches whom."""
@@ -232,6 +241,7 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
 
@@ -286,4 +296,5 @@ class World:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            driving=self.driver.shown if self.driver else Driving(),
         )

@@ -41,7 +41,7 @@ class Task:
         """The upstream neighbour of the upstream neighbour."""
         columns = [robot, other, self.further, downstream(robot, scenario.size)]
         rounded = spec_of(controller).rounds_corners
-        knows = robot == 1 or scenario.path.known_to == "all"
+        knows = scenario.path.known_to == "all" or (robot == 1 and not scenario.driven)
         self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)
         """The reference of a robot that is told the path; None if it knows it."""
         self.reference = self.way or scenario.reference(columns, rounded=rounded)

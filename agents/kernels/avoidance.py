@@ -1,4 +1,4 @@
-"""Bodies in sight, and the last filter on a command against them (docs/theory.md, section 17)."""
+"""Bodies in sight, and the last filter on a command against them (docs/theory.md, section 19)."""
 
 import math
 

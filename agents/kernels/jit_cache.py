@@ -35,13 +35,16 @@ def cache_folder() -> Path:
 
 
 def wanted_place() -> Path | None:
-    """$ECHELON_CACHE, else the user's cache folder; None if there is no home either."""
-    for variable in ("ECHELON_CACHE", "XDG_CACHE_HOME"):
-        if named := os.environ.get(variable):
-            return Path(named)
+    """$ECHELON_CACHE, else the user's cache folder; None if there is no home of this user either."""
+    if named := os.environ.get("ECHELON_CACHE"):
+        return Path(named).absolute()
+    if (cache := Path(os.environ.get("XDG_CACHE_HOME", ""))).is_absolute():
+        return cache
     try:
-        return Path.home() / ".cache"
-    except RuntimeError:  # a user without an entry in the system's list
+        home = Path.home()
+        # After sudo it may be another user's; a relative one would be a folder of whatever lies in the current one.
+        return home / ".cache" if home.is_absolute() and home.stat().st_uid == os.getuid() else None
+    except (OSError, RuntimeError):  # a user without an entry in the system's list, or whose home does not exist
         return None
 
 
@@ -90,8 +93,9 @@ def _private_place() -> Path:
     Raises:
         EchelonError: somebody else has taken its name, or there can be none.
     """
-    place = Path(tempfile.gettempdir()) / f"echelon-cache-{os.getuid()}"
+    place = Path(f"echelon-cache-{os.getuid()}")
     try:
+        place = Path(tempfile.gettempdir()) / place
         place.mkdir(mode=0o700, exist_ok=True)
         found = place.lstat()
     except OSError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 from experiments.errata import errata, readings
 from experiments.errata.errata import Erratum
 from experiments.errata.readings import Reading
-from experiments.paper import errata_chapter, nash_gap, noisy, replication, stuck, switching
+from experiments.paper import errata_chapter, nash_gap, noisy, replication, stuck, switching, talking
 from experiments.paper.chapters import Chapter, Extent
 from experiments.report.html import html
 from experiments.report.report import Report, Section, Verdict, markdown, unjudged
@@ -20,7 +20,14 @@ from experiments.trials.pool import Progress, Work
 from experiments.trials.result import Signals, result_of
 from formation.errors import EchelonError
 
-CHAPTERS: tuple[Chapter, ...] = (replication.CHAPTER, nash_gap.CHAPTER, stuck.CHAPTER, noisy.CHAPTER, switching.CHAPTER)
+CHAPTERS: tuple[Chapter, ...] = (
+    replication.CHAPTER,
+    nash_gap.CHAPTER,
+    stuck.CHAPTER,
+    noisy.CHAPTER,
+    talking.CHAPTER,
+    switching.CHAPTER,
+)
 TITLE = "Nash equilibrium-based geometric pattern formation: the paper again, in numbers"
 
 

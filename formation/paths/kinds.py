@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat
 
 from formation.arrays import FloatArray
+from formation.paths.driven import Driven
 from formation.paths.path import Path
 from formation.paths.waypoints import Waypoints
 from formation.schema import Positive
@@ -116,4 +117,7 @@ class Line(Path):
         return self.speed * np.stack([t * math.cos(self.heading), t * math.sin(self.heading)], axis=-1)
 
 
-AnyPath = Annotated[Figure8 | Circle | Sinusoid | Spiral | Corner | Line | Waypoints, Field(discriminator="kind")]
+AnyPath = Annotated[
+    Figure8 | Circle | Sinusoid | Spiral | Corner | Line | Waypoints | Driven,
+    Field(discriminator="kind"),
+]

@@ -1,6 +1,6 @@
 """What every reference path has, and its heading as the paper samples it."""
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -22,6 +22,11 @@ class Path(Model):
         return None
 
     @property
+    def endless(self) -> bool:
+        """Whether a live run may go on beyond the scenario's duration."""
+        return self.period is not None
+
+    @property
     def corners(self) -> tuple[tuple[float, float], ...]:
         """Where its heading jumps: times [s] and turns [rad], counter-clockwise positive."""
         return ()
@@ -30,6 +35,11 @@ class Path(Model):
     def smooth(self) -> bool:
         """Whether little happens within a fifth of a second, `corners` aside."""
         return True
+
+    def larger(self, by: float) -> dict[str, Any]:
+        """The path's table with all lengths multiplied."""
+        given = self.model_dump(exclude_none=True)
+        return {key: multiplied(value, by) if key in self.lengths else value for key, value in given.items()}
 
     def position(self, t: FloatArray) -> FloatArray:
         """Positions at times t [s], of shape t.shape + (2,) [m]. Defined for negative t too."""
@@ -43,3 +53,10 @@ def heading(path: Path, t: FloatArray, interval: float) -> FloatArray:
     """
     step = path.position(t) - path.position(t - interval)
     return np.arctan2(step[..., 1], step[..., 0])
+
+
+def multiplied(value: Any, by: float) -> Any:
+    """A number, or numbers in lists in lists, multiplied."""
+    if isinstance(value, list | tuple):
+        return [multiplied(one, by) for one in value]
+    return by * value

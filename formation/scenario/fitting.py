@@ -9,6 +9,7 @@ from typing import Any
 
 from formation.bodies.presets import PRESETS
 from formation.metrics import nearest
+from formation.paths.path import multiplied
 from formation.scenario.scenario import Scenario
 
 APART = 1.35
@@ -57,8 +58,7 @@ def too_narrow(scenario: Scenario, by: float) -> str:
 def scaled(scenario: Scenario, by: float) -> dict[str, Any]:
     """The scenario's table with all its lengths multiplied."""
     table = scenario.model_dump(exclude_unset=True)
-    path = scenario.path.model_dump(exclude_none=True)
-    table["path"] = {key: _times(value, by) if key in scenario.path.lengths else value for key, value in path.items()}
+    table["path"] = scenario.path.larger(by)
     formation = scenario.formation.model_dump(exclude_unset=True)
     table["formation"] = _wider(formation, by)
     if "changes" in formation:
@@ -73,12 +73,5 @@ def scaled(scenario: Scenario, by: float) -> dict[str, Any]:
 
 def _wider(shape: dict[str, Any], by: float) -> dict[str, Any]:
     if shape.get("offsets") is not None:
-        return {**shape, "offsets": _times(shape["offsets"], by)}
+        return {**shape, "offsets": multiplied(shape["offsets"], by)}
     return {**shape, "spacing": by * shape.get("spacing", 0.1)}
-
-
-def _times(value: Any, by: float) -> Any:
-    """A number, or numbers in lists in lists, multiplied."""
-    if isinstance(value, list | tuple):
-        return [_times(one, by) for one in value]
-    return by * value

@@ -4,6 +4,9 @@ Each is made by the module of its name (agents/controllers/registry.py).
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Union
+
+from pydantic import BeforeValidator, Field
 
 from formation.errors import ScenarioError, unknown
 from formation.scenario.controllers import (
@@ -60,6 +63,21 @@ LIVE = tuple(name for name in NAMES if name not in IN_PROCESS)
 
 TOLD = tuple(name for name, spec in CONTROLLERS.items() if not spec.needs_path)
 """What can run where robot 1 alone knows the path."""
+
+
+def _named(given: object) -> object:
+    """The table of a controller with the name that it has by default."""
+    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
+
+
+if TYPE_CHECKING:
+    AnyController = ControllerOptions
+else:
+    AnyController = Annotated[
+        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
+        Field(discriminator="name"),
+        BeforeValidator(_named),
+    ]
 
 
 def spec_of(options: ControllerOptions) -> ControllerSpec:

@@ -2,32 +2,37 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Union
+from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
-from formation.bodies.spec import Bodies, BodyLimits
+from formation.bodies.spec import Bodies
 from formation.disturbances import Disturbance, robots_missing
+from formation.driving.law import Law, at_rest, law_of
+from formation.driving.reference import DrivenReference
+from formation.driving.track import Dated, Track
 from formation.errors import FaultError
 from formation.faults import Fault, ScheduledFault
-from formation.feasibility import Feasibility, examine
+from formation.feasibility import Feasibility, examine, unexamined
 from formation.formation_spec import Formation
 from formation.link_ids import links_named
 from formation.offsets import Offsets
 from formation.orientation import orientation_of
+from formation.paths.driven import Driven
 from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
-from formation.reference import Reference
-from formation.scenario.controllers import ControllerOptions, NashOptions
+from formation.reference import Block, Reference
+from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
-from formation.scenario.registry import CONTROLLERS, DEFAULT, TOLD, spec_of
+from formation.scenario.registry import TOLD, AnyController, spec_of
+from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
-from formation.schema import Duration, Model, NonNegative, Positive
+from formation.schema import Duration, Model, Positive
 from formation.slot_motion import Motion
 from formation.way import HeardReference
 
@@ -35,57 +40,6 @@ MAX_TICKS = 1_000_000
 """Ticks of one episode: nearly three hours at 100 Hz; the trace of 64 robots is then 2 GB."""
 MAX_STRIDE = 1000
 """Control intervals in one prediction interval."""
-Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-
-
-class StartNoise(Model):
-    """Standard deviations of the start poses."""
-
-    position: NonNegative = 0.0
-    """Of x and of y [m]."""
-    heading: NonNegative = 0.0
-    """Of the heading [rad]."""
-
-
-class Robots(Model):
-    """Start poses, start noise and input limits."""
-
-    poses: list[Triple] | None = None
-    """Start poses [m, m, rad]; in formation if absent."""
-    limits: BodyLimits = BodyLimits()
-    sight: NonNegative = 1.0
-    """How far a robot sees other bodies [m]."""
-    avoid: bool = True
-    """Keep off bodies in sight by a last filter on commands (docs/theory.md, section 17)."""
-    start_noise: StartNoise = StartNoise()
-
-
-class Noise(Model):
-    """Noise, which the prediction model leaves out (docs/theory.md, section 9); n is standard normal."""
-
-    slip: NonNegative = 0.0
-    """Each tick v and omega are multiplied by 1 + slip n, each with its own n [1]."""
-    gyro: NonNegative = 0.0
-    """Each tick gyro n is added to omega [rad/s]."""
-    position: NonNegative = 0.0
-    """Error of the measured x and y [m]."""
-    heading: NonNegative = 0.0
-    """Error of the measured heading [rad]."""
-
-
-def _named(given: object) -> object:
-    """The table of a controller with the name that it has by default."""
-    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
-
-
-if TYPE_CHECKING:
-    AnyController = ControllerOptions
-else:
-    AnyController = Annotated[
-        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
-        Field(discriminator="name"),
-        BeforeValidator(_named),
-    ]
 
 
 class Scenario(Model):
@@ -121,9 +75,10 @@ class Scenario(Model):
     @model_validator(mode="after")
     def _consistent(self) -> "Scenario":
         if self.path.known_to == "leader" and spec_of(self.controller).needs_path:
+            other = "a path of another kind" if self.driven else "all"
             raise ValueError(
-                f"path.known_to: {self.controller.name} needs the path in every robot: expected all, or a controller "
-                f"that follows what it is told ({', '.join(TOLD)})"
+                f"path.known_to: {self.controller.name} needs the path in every robot: expected {other}, or a "
+                f"controller that follows what it is told ({', '.join(TOLD)})"
             )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:
@@ -141,7 +96,7 @@ class Scenario(Model):
             )
         for index, fault in enumerate(self.faults):
             try:
-                links_named(fault.link, self.size, both=self.controller.uses_downstream)
+                links_named(fault.link, self.size, both=self.controller.uses_downstream, driven=self.driven)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
         noise, sensor = self.noise, self.bodies.localisation
@@ -212,13 +167,37 @@ class Scenario(Model):
     def _offsets(self) -> Offsets:
         return Offsets(self.formation, self.path)
 
-    def reference(self, robots: Iterable[int] | None = None, *, rounded: bool = False) -> Reference:
-        """The reference of these robots (numbers, from 1), or of all.
+    @property
+    def driven(self) -> bool:
+        """Whether the path is ordered while the run goes on."""
+        return isinstance(self.path, Driven)
+
+    @property
+    def law(self) -> Law:
+        """How the centre of a driven formation answers to orders."""
+        assert isinstance(self.path, Driven)
+        limits = self.robots.limits.v, self.robots.limits.omega
+        return law_of(self.path, self.formation, limits, self._offsets.reach, self.control_interval)
+
+    def driving(self, robots: Iterable[int] | None = None) -> DrivenReference:
+        """The reference of these robots, or of all, along a driven path before any order."""
+        assert isinstance(self.path, Driven)
+        offsets = self._offsets if robots is None else self._offsets.rows(list(robots))
+        track = Track(self.law, 0, at_rest(self.path, self.formation))
+        return DrivenReference(track, offsets, stride=self.stride, horizon=self.controller.horizon)
+
+    def reference(self, robots: Iterable[int] | None = None, *, rounded: bool = False) -> Reference | DrivenReference:
+        """The reference of these robots (numbers, from 1), or of all; of a driven path, by the scenario's own orders.
 
         Args:
             robots: whose.
             rounded: whether the formation turns smoothly where the path's heading jumps.
         """
+        if isinstance(self.path, Driven):
+            reference = self.driving(robots)
+            for k, order in self.orders:
+                reference.order(k, order)
+            return reference
         return Reference(
             self._motion(None if robots is None else list(robots), rounded=rounded),
             self._schedule,
@@ -227,14 +206,27 @@ class Scenario(Model):
             horizon=self.controller.horizon,
         )
 
+    @property
+    def orders(self) -> list[Dated]:
+        """The orders that the scenario itself gives, the later ones last."""
+        law, tick = self.law, self.control_interval
+        return [Dated(round(t / tick), law.within(v, omega)) for t, v, omega in getattr(self.path, "commands", ())]
+
+    @cached_property
+    def start(self) -> Block:
+        """The reference around t = 0, before any order."""
+        return (self.driving() if self.driven else self.reference()).block(0)
+
     def heard_reference(self, robots: Iterable[int], *, rounded: bool = False) -> HeardReference:
         """The reference of robots that are told the path; arguments as of `reference`."""
+        start = self.driving([1]).preview(-1) if self.driven else self.reference([1], rounded=rounded).preview(0)
         return HeardReference(
             self._offsets.rows(list(robots)),
-            self.reference([1], rounded=rounded).preview(0),
+            start,
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,
+            revised=self.driven,
         )
 
     def _motion(self, robots: list[int] | None = None, *, rounded: bool) -> Motion:
@@ -278,7 +270,9 @@ class Scenario(Model):
         return min(lap, MAX_TICKS * self.control_interval)
 
     def feasibility(self) -> Feasibility:
-        """Whether the robots can follow the reference, slot by slot, and where not."""
+        """Whether the robots can follow the reference, slot by slot, and where not; orders are within what they can."""
+        if self.driven:
+            return unexamined(self.size, (self.robots.limits.v, self.robots.limits.omega), self._offsets.reach)
         motion = self._motion(rounded=True)
         return examine(
             motion, self._schedule, self._limits, self._tight_turns, until=self._examined, duration=self.duration
@@ -286,7 +280,7 @@ class Scenario(Model):
 
     def start_poses(self) -> FloatArray:
         """Poses (n, 3) at t = 0, with start noise drawn from the seed [m, m, rad]."""
-        poses = self.reference().block(0).slots[0] if self.robots.poses is None else np.array(self.robots.poses)
+        poses = self.start.slots[0] if self.robots.poses is None else np.array(self.robots.poses)
         noise = self.robots.start_noise
         spread = np.array([noise.position, noise.position, noise.heading])
         draws = np.random.Generator(np.random.Philox(key=[self.seed, 1])).standard_normal(poses.shape)

@@ -1,7 +1,7 @@
 """The ghost's part in the protocol of a run, without I/O and without a clock: arrivals and a time in, actions out.
 
 It reads the newest state only, so that it never delays the run: a ghost that cannot keep pace falls behind, and catches
-up when it can. It never simulates beyond a state of which it does not know the faults.
+up when it can. It never simulates beyond a state of which it does not know the faults and the orders.
 """
 
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Action, Ask, Incoming, Publish, Reject, Response, Sample
 from network.codec import decode
-from network.control import FaultTables, GetFaults, GetSetup, Operation, request
+from network.control import GetOrders, GetSetup, Operation, Orders, request
 from network.messages import Reply, Request, Setup, State
 from runtime.ghost.shadow import Shadow
 
@@ -31,7 +31,7 @@ class GhostNode:
     """Simulates a ghost beside a run while a comparison is requested.
 
     What it asks for follows from the newest state: nothing without a comparison; the Setup if the ghost is of another
-    episode or controller; the tables of faults if they are of another revision; else it follows.
+    episode or controller; the tables of faults and the driver's orders if there are more of them; else it follows.
     """
 
     def __init__(self, run: str) -> None:
@@ -39,7 +39,7 @@ class GhostNode:
         self._shadow: Shadow | None = None
         self._state: State | None = None
         self._revision = -1
-        """Up to which the faults are known."""
+        """Up to which the faults are known; of the driver's orders the ghost itself knows how many it has."""
         self._asked_revision = -1
         self._ask_at = 0.0
         self._published = 0
@@ -65,13 +65,17 @@ class GhostNode:
     def _following(self) -> tuple[Shadow | None, State | None]:
         """Ghost and newest state, if the ghost knows everything up to it."""
         shadow, state = self._shadow, self._state
-        if shadow is None or state is None or not self._fits(shadow, state) or self._revision != state.revision:
+        if shadow is None or state is None or not self._fits(shadow, state) or self._lacks(shadow, state):
             return None, state
         return shadow, state
 
     @staticmethod
     def _fits(shadow: Shadow, state: State) -> bool:
         return (shadow.episode, shadow.controller) == (state.episode, state.compare)
+
+    def _lacks(self, shadow: Shadow, state: State) -> bool:
+        """Whether there are faults or orders up to the state that the ghost does not know."""
+        return self._revision != state.revision or shadow.drives_known < state.driving.orders
 
     @staticmethod
     def _goal(shadow: Shadow, state: State) -> int:
@@ -126,8 +130,8 @@ class GhostNode:
         wanted: Operation
         if shadow is None or not self._fits(shadow, state):
             wanted = GetSetup()
-        elif self._revision != state.revision:
-            wanted = GetFaults(known=shadow.known)
+        elif self._lacks(shadow, state):
+            wanted = GetOrders(tables=shadow.tables_known, drives=shadow.drives_known)
         else:
             return
         if now >= self._ask_at:
@@ -153,12 +157,13 @@ class GhostNode:
     def _learn(self, shadow: Shadow, asked: Request, reply: Reply) -> None:
         if not reply.ok:
             raise EchelonError(reply.reason)
-        told = FaultTables.model_validate(reply.value)
-        if told.episode != shadow.episode or asked.arguments.get("known") != shadow.known:
+        told = Orders.model_validate(reply.value)
+        known = shadow.tables_known, shadow.drives_known
+        if told.episode != shadow.episode or tuple(map(asked.arguments.get, ("tables", "drives"))) != known:
             return
-        shadow.learn(told.tables)
+        shadow.learn(told.tables, told.drives)
         self._ask_at = 0.0
-        if not told.tables or shadow.known >= told.changes:
+        if not told.tables or shadow.tables_known >= told.changes:
             self._revision = self._asked_revision
 
     # ------------------------------------------------------------------ what is shown

@@ -1,7 +1,7 @@
 """The ghost's episode, without any I/O: the live scenario again, under a controller of one's choice.
 
 What a link does to a message is drawn from (seed, link, sequence number) alone, and noise from the seed alone; so it is
-enough to have the same tables of faults at the same ticks to meet identical faults.
+enough to have the same tables of faults, and the same orders of a driver, at the same ticks.
 """
 
 from collections import deque
@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 
 from formation.faults import Fault
 from formation.link_ids import LinkId
+from formation.paths.driven import Driven
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Ghost
 from runtime.inprocess import Simulation
@@ -16,7 +17,7 @@ from world.run_control import with_controller
 
 
 class Shadow:
-    """One episode beside the live one. It never runs ahead of the fault tables that are known."""
+    """One episode beside the live one. It never runs ahead of the orders that are known."""
 
     def __init__(self, scenario: Scenario, controller: str, episode: int) -> None:
         """A ghost at the start of the episode.
@@ -28,11 +29,13 @@ class Shadow:
         """
         same = controller == scenario.controller.name
         self.controller, self.episode = controller, episode
-        self.known = 0
-        """Number of fault tables that are known."""
-        self._simulation = Simulation(scenario if same else with_controller(scenario, controller), endless=True)
+        self.tables_known = self.drives_known = 0
+        """Number of fault tables and of the driver's orders that are known."""
+        own = without_commands(scenario if same else with_controller(scenario, controller))
+        self._simulation = Simulation(own, endless=True)
         self._interval = scenario.control_interval
         self._tables: deque[tuple[float, Mapping[LinkId, Fault]]] = deque()
+        self._drives: deque[tuple[int, float, float]] = deque()
 
     @property
     def k(self) -> int:
@@ -49,11 +52,21 @@ class Shadow:
         """Whether the scenario's duration is over, where the path is not closed."""
         return self._simulation.finished
 
-    def learn(self, tables: Iterable[tuple[float, Mapping[LinkId, Fault]]]) -> None:
-        """Add the next fault tables of the live episode, each with the time from which on it holds [s]."""
-        for entry in tables:
-            self._tables.append(entry)
-            self.known += 1
+    def learn(
+        self, tables: Iterable[tuple[float, Mapping[LinkId, Fault]]], drives: Iterable[tuple[int, float, float]] = ()
+    ) -> None:
+        """Add what comes next in the live episode.
+
+        Args:
+            tables: of faults, each with the time from which on it holds [s].
+            drives: orders of the driver: tick from which on it counts, v [m/s], omega [rad/s].
+        """
+        for table in tables:
+            self._tables.append(table)
+            self.tables_known += 1
+        for drive in drives:
+            self._drives.append(drive)
+            self.drives_known += 1
 
     def tick_at(self, stamp: float) -> int:
         """Number of the tick with this stamp [s]."""
@@ -64,6 +77,8 @@ class Shadow:
         world = self._simulation.world
         while self._tables and self._tables[0][0] <= world.now + 1e-9:
             world.impose_faults(self._tables.popleft()[1])
+        while world.driver and self._drives and self._drives[0][0] <= world.k:
+            world.driver.impose(world.k, *self._drives.popleft()[1:])
         self._simulation.step()
 
     def message(self, seq: int) -> Ghost:
@@ -80,3 +95,10 @@ class Shadow:
             angle_errors=state.angle_errors,
             tracking_error=state.tracking_error,
         )
+
+
+def without_commands(scenario: Scenario) -> Scenario:
+    """The scenario without the orders that it gives by itself: they are among those of the live episode."""
+    if not isinstance(scenario.path, Driven):
+        return scenario
+    return scenario.model_copy(update={"path": scenario.path.model_copy(update={"commands": ()})})

@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.processes.live import processes
+from tests.processes.live import echelon, processes
 
 pytestmark = pytest.mark.processes
 ROOT = Path(__file__).parents[2]
@@ -164,3 +165,64 @@ def test_what_is_installed_goes_into_the_venv_whatever_pip_is_told_elsewhere(
     found = Checkout(tmp_path / "checkout")
     start(str(found.folder / "echelon"), folder=tmp_path, path="")
     assert found.log.read_text() == "pip, user 0\n"
+
+
+@pytest.mark.parametrize("name", ["a#b", "a?b"])
+def test_a_folder_for_runs_in_which_no_socket_can_be_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    (tmp_path / name).mkdir()
+    monkeypatch.setenv("ECHELON_RUNS", str(tmp_path / name))
+    (line,) = echelon(*RUN, check=2).stderr.splitlines()
+    assert "without # and ?" in line
+    assert "ECHELON_RUNS" in line
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert not list((tmp_path / name).iterdir())
+
+
+def test_forty_open_files_are_enough_for_three_robots_and_too_few_is_one_line(runs: Path) -> None:
+    def limited(*words: str) -> subprocess.CompletedProcess[str]:
+        def limit() -> None:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
+
+        return subprocess.run(
+            [*CLI, *words], capture_output=True, text=True, timeout=100, check=False, preexec_fn=limit
+        )
+
+    done = limited(*RUN)
+    assert done.returncode == 0, done.stderr
+    done = limited("up", "ring-16", "--no-dashboard")
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "ulimit -n" in line
+    assert not list(runs.iterdir())
+
+
+@pytest.mark.parametrize("home", ["/proc", "/nowhere/at/all", ""])
+def test_without_a_home_libraries_say_nothing(monkeypatch: pytest.MonkeyPatch, home: str, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", home)
+    monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    monkeypatch.delenv("XDG_CONFIG_HOME", raising=False)
+    program = "from cli import program; program.begin(); import experiments.report.style"
+    assert start(sys.executable, "-c", program, folder=tmp_path, path=str(ROOT)).stderr == ""
+
+
+def test_doctor_prints_its_table_without_any_package(runs: Path) -> None:
+    words = [sys.executable, "-S", "-m", "cli.main", "doctor"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False, env=environment)
+    assert done.returncode == 1
+    assert done.stderr == ""
+    found = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
+    assert found["numba"].startswith("not installed, missing (")
+    assert "numba" in found["solver"]
+    assert {"Python", "cores", "folder for runs", "page"} <= set(found)
+
+
+def test_doctor_prints_its_table_whatever_the_machine_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    for variable in ("ECHELON_RUNS", "ECHELON_CACHE", "TMPDIR", "HOME"):
+        monkeypatch.setenv(variable, str(tmp_path / "file" / "x"))
+    checks = {check["name"]: check for check in json.loads(echelon("doctor", "--json", check=None).stdout)["checks"]}
+    assert checks["Python"]["ok"]
+    assert not checks["solver"]["ok"]

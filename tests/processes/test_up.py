@@ -176,3 +176,18 @@ def test_in_real_time_a_short_episode_runs_to_its_end(runs: Path) -> None:
     words = ["run", "--duration", "3", "--realtime", "--json"]
     assert '"overruns"' in echelon(*words).stdout
     assert not list(runs.iterdir())
+
+
+def test_a_formation_is_driven_by_commands_and_refuses_what_makes_no_sense(up: Start) -> None:
+    run = up("drive-me", "--no-dashboard")
+    run.running()
+    assert "fast as it can" in echelon("control", "drive", "-9", "0.2").stdout
+    wait_for(lambda: run.status()["driving"]["v"] < 0.0)
+    echelon("control", "goto", "-0.1", "0.1")
+    wait_for(lambda: "arrives at (-0.100, 0.100) m" in texts(run))
+    assert run.status()["driving"]["goal"] is None
+    assert "path.kind" not in echelon("control", "drive", "1", "x", check=2).stderr
+    assert "seconds" in echelon("control", "drive", "1", "1", "--for", "-3", check=2).stderr
+    echelon("control", "scenario", "circle")
+    assert "drive-me" in echelon("control", "goto", "1", "1", check=2).stderr
+    run.end()

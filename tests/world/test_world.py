@@ -386,7 +386,7 @@ def test_a_warmup_longer_than_the_episode_measures_its_last_pose() -> None:
 
 def test_a_trace_is_full_at_its_last_tick() -> None:
     scenario = load("circle")
-    trace = Trace(scenario, 2)
+    trace = Trace(scenario, 2, scenario.reference())
     trace.start(np.zeros((2, 3)))
     for full in (False, True):
         assert not trace.full

@@ -63,7 +63,7 @@ class WheeledBodies:
         self._k = 0
         self.poses: FloatArray = scenario.start_poses()
         """(n, 3) true poses now, read-only [m, m, rad]."""
-        block = scenario.reference().block(0)
+        block = scenario.start
         at_start: list[list[float]] = block.inputs[0].tolist()
         self._wheels = at_start
         self._queue: deque[list[list[float]]] = deque(block.inputs[tick].tolist() for tick in range(known.delay))

@@ -109,3 +109,20 @@ def test_a_user_without_a_home_gets_a_private_folder(blocked: Path, monkeypatch:
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", nobody)
     assert jit_cache.cache_folder().is_relative_to(blocked.parent / "tmp")
+
+
+def test_a_home_of_another_user_and_one_that_is_not_there_are_no_place_for_kernels(
+    blocked: Path, monkeypatch: Any
+) -> None:
+    monkeypatch.delenv("ECHELON_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "beside/whatever/lies/here")
+    monkeypatch.setenv("HOME", str(blocked.parent))
+    assert jit_cache.wanted_place() == blocked.parent / ".cache"
+    monkeypatch.setattr("os.getuid", lambda: blocked.stat().st_uid + 1)
+    assert jit_cache.wanted_place() is None
+    monkeypatch.undo()
+    for variable in ("ECHELON_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setenv("HOME", str(blocked.parent / "gone"))
+    assert jit_cache.wanted_place() is None
+    assert not (blocked.parent / "gone").exists()

@@ -14,6 +14,7 @@ from formation.scenario.scenario import Scenario
 
 NAMES = [
     "circle",
+    "drive-me",
     "figure8",
     "follow-the-leader",
     "hexagon-sinusoid",

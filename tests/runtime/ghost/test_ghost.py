@@ -11,7 +11,7 @@ from formation.faults import Fault
 from formation.link_ids import LinkId, every_link
 from formation.scenario.files import load
 from network.codec import MAX_BYTES, encode
-from network.control import Compare, FaultTables, GetFaults, Pause, SetFault, operation, request
+from network.control import Compare, GetOrders, Orders, Pause, SetFault, operation, request
 from network.messages import Reply
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
@@ -28,8 +28,8 @@ CHANGES: list[dict[str, Any]] = [{"latency": 0.1, "jitter": 0.05}, {"loss": 0.6}
 
 def follow(shadow: Shadow, world: World) -> None:
     """What the ghost's process does when the world has said a state."""
-    while shadow.known < world.faults.changes:
-        shadow.learn(world.faults.since(shadow.known))
+    while shadow.tables_known < world.faults.changes:
+        shadow.learn(world.faults.since(shadow.tables_known))
     while shadow.k < world.k:
         shadow.step()
 
@@ -156,10 +156,10 @@ def test_the_world_says_which_ghost_is_wanted_and_what_the_faults_were() -> None
     assert desk.compare == "paper"
     desk.obey(Pause())
     desk.obey(SetFault(link="1->2", changes={"loss": 0.5}))
-    told = FaultTables.model_validate(desk.obey(GetFaults()))
+    told = Orders.model_validate(desk.obey(GetOrders()))
     assert (told.episode, told.changes) == (world.episode, 2)
     assert told.tables == [(0.0, {}), (0.0, {LinkId(1, 2): Fault(loss=0.5)})]
-    assert FaultTables.model_validate(desk.obey(GetFaults(known=1))).tables == told.tables[1:]
+    assert Orders.model_validate(desk.obey(GetOrders(tables=1))).tables == told.tables[1:]
     desk.obey(Compare(controller="off"))
     assert desk.compare == ""
 

@@ -16,8 +16,9 @@ from network.link import Link
 from network.messages import Tick
 
 YIELDS, INSISTS = 0.010, 0.006
-"""Distance of two bodies that the robot with the higher number keeps, and the one with the lower, beyond the standard
-deviation of a sighting [m]."""
+"""Distance of two bodies that the robot with the higher number keeps, and the one with the lower [m]."""
+ORDERLY: Final = 0.25
+"""Neither keeps more than this share of the distance that neighbours have in the formation."""
 CHANGES: Final = 0.5
 """How fast others are assumed to change their velocity [m/s2]."""
 LEAST: Final = 0.0003
@@ -48,8 +49,10 @@ class Avoidance:
         limits, body = scenario.robots.limits, scenario.nominal
         sigma = body.relative or 0.0
         radii = np.array(scenario.bodies.radii(n))
-        margins = np.where(np.arange(n) < self._row, YIELDS, INSISTS) + sigma
-        self._reach = np.stack([radii + radii[self._row], margins], axis=1)
+        reach = radii + radii[self._row]
+        orderly = np.maximum(ORDERLY * (scenario.spacing - reach), 0.0)
+        margins = np.minimum(np.where(np.arange(n) < self._row, YIELDS, INSISTS), orderly)
+        self._reach = np.stack([reach, margins], axis=1)
         self._law = np.array(
             [
                 limits.v,

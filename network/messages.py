@@ -1,6 +1,6 @@
 """The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
 
-`stamp` is simulated time [s]; every reset begins another `episode`. Robots count from 1. network/codec.py has the bytes.
+`stamp` is simulated time [s]; every reset begins another `episode`. Robots count from 1. Bytes: network/codec.py.
 """
 
 from dataclasses import dataclass, field

@@ -23,9 +23,9 @@ PAST = 128
 X, Y, VX, VY, EX, EY, SEEN, COUNT = range(8)
 """Columns of a body: where it was last seen and its velocity, in a frame that odometry carries [m, m/s]; means of the
 normalised innovations; the tick at which it was seen; and how often since it was lost, 0: not in sight."""
-NEWEST, BLOCKED, SIDE = range(3)
+NEWEST, BLOCKED, SIDE, SPEED = range(4)
 """Of the memory: the newest tick; for how long the robot has been kept off [s]; 1 if it goes round a body on the right,
-seen from the robot, -1 on the left, 0 if it does not."""
+seen from the robot, -1 on the left, 0 if it does not; own v [m/s]."""
 V_MAX, OMEGA_MAX, DV, DOMEGA, STEER, ROUND, KEPT, ALPHA, BETA, SIGMA, DT = range(11)
 """Of the law: limits of |v| and |omega|, largest changes of wheel speeds in a tick, turn rate and speed on the way
 round a body, ticks after which a body that is not seen is forgotten, gains and standard deviation of sightings [m], the
@@ -34,8 +34,9 @@ ASIDE = 0.1
 """A body whose bearing has no larger sine is straight ahead; everybody passes it on the right."""
 RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
-BLEND, SURPRISE, RESTART = 0.25, 1.9, 8
-"""Weight of an innovation in its mean, the mean that is no chance (5 sigma), and sightings that are not forgotten."""
+BLEND, SURPRISE, RESTART, BEGIN = 0.25, 1.9, 8, 25
+"""Weight of an innovation in its mean, the mean that is no chance (5 sigma), sightings that are not forgotten then, and
+for how many it counts that a body that comes into sight moves as the robot does."""
 NOT_YET, PATIENCE = 1.5, 2.0
 """A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
 CUT = 0.3
@@ -70,15 +71,15 @@ def roll(
     for now in range(newest + 1, k + 1):
         before, row = own[(now - 1) % PAST], own[now % PAST]
         row[0], row[1], row[2] = step(before[0], before[1], before[2], v, omega, law[DT])
-    memory[NEWEST] = k
+    memory[NEWEST], memory[SPEED] = k, v
 
 
 @kernel_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, MATRIX)
 def see(own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, at: int, places: FloatArray) -> None:
     """Bodies were at places (n, 2) in the own frame at tick `at` [m]; a row of zeros is not in sight.
 
-    An alpha-beta filter: least squares over the first sightings, then with fading memory, down to the law's gains.
-    Where innovations keep to one side, it forgets all but the last few sightings.
+    An alpha-beta filter: least squares over the first sightings, before which a body is taken to move as the robot does,
+    then with fading memory, down to the law's gains. Where innovations keep to one side, it forgets all but the last few.
     """
     if memory[NEWEST] - at >= PAST:
         return
@@ -92,7 +93,8 @@ def see(own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray
         body = bodies[j]
         if body[COUNT] == 0.0 or at - body[SEEN] > law[KEPT]:
             body[:] = 0.0
-            body[X], body[Y], body[SEEN], body[COUNT] = x, y, at, 1.0
+            body[X], body[Y], body[VX], body[VY] = x, y, memory[SPEED] * c, memory[SPEED] * s
+            body[SEEN], body[COUNT] = at, BEGIN
         elif at > body[SEEN]:
             h = (at - body[SEEN]) * dt
             n = body[COUNT] + 1.0
@@ -162,7 +164,7 @@ def _bounds(
     low, high, below, above = -np.inf, np.inf, -1, -1
     for j in range(len(bodies)):
         body = bodies[j]
-        if body[COUNT] < 2.0 or k - body[SEEN] > law[KEPT]:
+        if body[COUNT] == 0.0 or k - body[SEEN] > law[KEPT]:
             continue
         d, nx, ny = _toward(bodies, j, k + delay, dt, x, y)
         closing = -(nx * body[VX] + ny * body[VY])

@@ -94,7 +94,7 @@ def outcome(name: str, **overrides: Any) -> tuple[int, float, Any]:
     return simulation.world.contacts.count - touched, float(np.abs(error[-100:]).max()), simulation.world.summary()
 
 
-@pytest.mark.parametrize("preset", ["ideal", "camera", "rough"])
+@pytest.mark.parametrize("preset", ["ideal", "mocap", "epuck"])
 def test_a_formation_in_order_drives_as_without_the_filter(preset: str) -> None:
     start = {"duration": 8.0, "bodies": {"preset": preset}, "controller": {"plan_every": 4}}
     summaries = [outcome("square-figure8", robots={"avoid": avoid}, **start)[2] for avoid in (True, False)]

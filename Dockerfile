@@ -6,6 +6,7 @@ COPY formation formation
 COPY network network
 COPY agents agents
 COPY world world
+COPY records records
 COPY dashboard dashboard
 COPY runtime runtime
 COPY experiments experiments
@@ -18,4 +19,5 @@ WORKDIR /tmp
 # The solver is compiled here, once; containers copy it to their /tmp, because their root is read-only.
 ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
 RUN ECHELON_CACHE=/opt/kernels python -c "from runtime.precompile import ensure_compiled; ensure_compiled(print)"
+RUN mkdir /records && chown 10001:10001 /records
 USER 10001:10001

@@ -4,6 +4,7 @@ import argparse
 import logging
 import sys
 
+from agents.controllers.own import load_controller
 from agents.process import run
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
@@ -16,9 +17,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
     parser.add_argument("--id", required=True, type=int, choices=range(1, 65), metavar="1..64", help="robot's number")
+    parser.add_argument("--controller", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
     options = parser.parse_args(arguments)
     logging.basicConfig(format=f"%(name)s agent {options.id}: %(message)s", stream=sys.stderr)
     try:
+        for spec in options.controller:
+            load_controller(spec)
         with ZenohBus(options.connect, options.run) as bus:
             run(bus, options.id, Lifetime(bus.wake))
     except EchelonError as error:

@@ -1,7 +1,4 @@
-"""The agent of one robot, without any I/O: measurements and plans in, a command and a plan out.
-
-The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
-"""
+"""The agent of one robot, without any I/O: measurements and plans in, a command and a plan out; in both engines."""
 
 from collections.abc import Mapping
 from time import perf_counter
@@ -10,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.avoidance import Avoidance
+from agents.controllers.guarded import ControllerFailedError
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
@@ -55,8 +53,7 @@ class Agent:
         """
         own = scenario.controller
         self.robot, self.episode, self.size = robot, episode, scenario.size
-        self.upstream = upstream(robot, scenario.size)
-        self.planning = own.plan_every
+        self.upstream, self.planning = upstream(robot, scenario.size), own.plan_every
         self._task = Task(scenario, robot)
         self._game = Game(scenario, robot, self._task)
         self._controller = controller or controller_for(scenario, robot, self._task)
@@ -70,10 +67,14 @@ class Agent:
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
-        self._avoidance = Avoidance(scenario, robot, self._motors) if scenario.robots.avoid else None
+        self._avoidance = Avoidance(scenario, robot, self._motors)
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
+        self._failure = ""
+        """Of a user's own controller, once it has failed: until a reset the robot stands, and publishes no plan."""
+        self.observation: Observation | None = None
+        """What the controller was asked with last."""
         self._sending = Sending(own.send_when, scenario.spacing)
         self._acting = 0.0
         self._fresh = True
@@ -88,8 +89,7 @@ class Agent:
         for receiver in self._receivers:
             receiver.set_faults(faults)
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
-        if self._avoidance:
-            self._avoidance.set_faults(faults)
+        self._avoidance.set_faults(faults)
         if self._driver:
             self._driver.set_faults(faults)
 
@@ -135,25 +135,33 @@ class Agent:
             if preview is not None:
                 self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
-        if self._avoidance:
-            self._avoidance.look(tick)
+        self._avoidance.look(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
+        if self._failure:
+            return self._stand(k, stamp, age)
         plan, solve = None, 0.0
         if k % self.planning == 0 or self._last is None:
             began = perf_counter()
             own = self._estimator.estimate(k, self._receivers[0].belief.plan)
             if own is None or not self._task.knows:  # who does not know where it is, or the way, does not move
-                return Answer(Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0), None)
-            plan = self._sending.offer(self._plan(k, stamp, own))
+                return self._stand(k, stamp, age)
+            try:
+                plan = self._sending.offer(self._plan(k, stamp, own))
+            except ControllerFailedError as error:
+                self._failure = str(error)
+                return self._stand(k, stamp, age)
             solve = perf_counter() - began
             self._solves.append(solve)
-        v, omega = self._input(k)
-        if self._avoidance:
-            v, omega = self._avoidance.filter(k, self._speed, v, omega)
+        v, omega = self._avoidance.filter(k, self._speed, *self._input(k))
         self._motors.command(k, v, omega)
-        planned, off = plan is not None, self._keeps_off
-        command = Command(self.robot, k, stamp, self.episode, v, omega, age, planned, solve, self._converged, off)
+        good, off = self._converged, self._avoidance.who
+        command = Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
         return Answer(command, plan)
+
+    def _stand(self, k: int, stamp: float, age: float) -> Answer:
+        """Command zero, and publish nothing."""
+        command = Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
+        return Answer(command, None)
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
@@ -190,7 +198,7 @@ class Agent:
         other = None
         if len(self._receivers) > 1:
             other = self._receivers[1].belief.aged(begins, *task.slot(at, 3))
-        observation = Observation(
+        observation = self.observation = Observation(
             at,
             own.pose,
             self._sighted(aged),
@@ -202,7 +210,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
-            self._avoidance.take() if self._avoidance else None,
+            self._avoidance.take(),
             task.lost(at),
         )
         solution = self._controller.plan(observation)
@@ -269,13 +277,8 @@ class Agent:
             converged=self._converged,
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
             lost=self._sending.last is not None and self._sending.last.lost,
-            keeps_off=self._keeps_off,
+            keeps_off=self._avoidance.who,
         )
-
-    @property
-    def _keeps_off(self) -> int:
-        """Robot that the newest command keeps off; 0 if it is the plan's."""
-        return self._avoidance.who if self._avoidance else 0
 
     @property
     def _converged(self) -> bool:

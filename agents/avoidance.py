@@ -73,6 +73,7 @@ class Avoidance:
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self._command, self._since = np.zeros(3), np.zeros(3)
         self._changed = False
+        self._works = scenario.robots.avoid
         self.who = 0
         """Number of the robot that the last command keeps off; 0 if it was not changed."""
 
@@ -97,6 +98,8 @@ class Avoidance:
 
     def filter(self, k: int, wheels: FloatArray, v: float, omega: float) -> tuple[float, float]:
         """The command (v, omega) of tick k [m/s, rad/s], or one that keeps off; wheels (2,) are their speeds now."""
+        if not self._works:
+            return v, omega
         motors, command = self._motors, self._command
         command[0] = command[2] = v
         command[1] = omega

@@ -10,8 +10,10 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 
 from agents.agent import Agent, Answer
+from agents.controllers.own import check_loaded
 from agents.states import TABLE, Event, Output, State
-from formation.errors import WireError
+from formation.errors import ScenarioError, WireError
+from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
@@ -101,7 +103,7 @@ class AgentNode:
                         self._receive_plan(item.key, decode(Plan, item.payload))
                 elif isinstance(item, Response):
                     self._receive_setup(decode(Setup, item.payload))
-            except (WireError, ValidationError) as error:
+            except (WireError, ScenarioError, ValidationError) as error:
                 self._reject(item.key if isinstance(item, Sample) else "setup", error)
         if self._repeated:
             self._repeated = False
@@ -214,8 +216,10 @@ class AgentNode:
     # ------------------------------------------------------------------ episodes
 
     def _begin(self, setup: Setup) -> None:
-        """A new episode."""
+        """A new episode. Raises ScenarioError if its controller is a user's own and not the one that is loaded here."""
+        register_unloaded(setup.user_code)
         scenario = Scenario.model_validate_json(setup.scenario)
+        check_loaded(setup.user_code, scenario.controller.name)
         here = self._robot <= scenario.size
         agent = Agent(scenario, self._robot, episode=setup.episode) if here else None
         self._scenario, self._agent = scenario, agent

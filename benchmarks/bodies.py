@@ -66,10 +66,14 @@ class Cell:
         whole = merged(common, ROWS[self.row].overrides(self.seed, ROBOTS))
         return parse(raw, merged(merged(whole, NETWORKS[self.network]), CONTROLLERS[self.controller]))
 
+    def simulation(self) -> Simulation:
+        """It, at its start."""
+        return Simulation(self.scenario())
+
     def run(self) -> dict[str, Any]:
         """l_e, distance of the centre from the path [mm], jitter of the commanded v [mm/s]: RMS."""
-        scenario = self.scenario()
-        trace = Simulation(scenario).simulate()
+        simulation = self.simulation()
+        scenario, trace = simulation.world.scenario, simulation.simulate()
         first = round(ROWS[self.row].warmup / scenario.control_interval)
         distance, _, centre = trace.errors()
         changes = np.diff(trace.inputs[first:, :, 0], axis=0)
@@ -192,28 +196,28 @@ def main() -> int:
     if options.json:
         rows = [{**{name: getattr(one, name) for name in Found.__slots__}, "kept": one.kept} for one in lines]
         seeds = [options.seeds.start, options.seeds.stop]
-        print(
-            json.dumps({"commit": _commit(), "code": code_version(), "seeds": seeds, "wall_s": seconds, "rows": rows})
-        )
+        print(json.dumps({"commit": commit(), "code": code_version(), "seeds": seeds, "wall_s": seconds, "rows": rows}))
     else:
         bounded = [one for one in lines if one.bound is not None]
         kept = sum(one.kept is True for one in bounded)
-        print(f"{kept} of {len(bounded)} bounds kept; {len(options.seeds)} seeds, {seconds:.0f} s, commit {_commit()}")
+        print(f"{kept} of {len(bounded)} bounds kept; {len(options.seeds)} seeds, {seconds:.0f} s, commit {commit()}")
     return 0 if all(one.kept is not False for one in lines) else 1
 
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=_names(ROWS), default=list(ROWS), metavar="A,B")
-    parser.add_argument("--networks", type=_names(NETWORKS), default=list(NETWORKS))
-    parser.add_argument("--controllers", type=_names(CONTROLLERS), default=list(CONTROLLERS))
-    parser.add_argument("--seeds", type=_seeds, default=range(1000, 1002), metavar="FROM:TO", help="20 for the record")
+    parser.add_argument("--rows", type=names_of(ROWS), default=list(ROWS), metavar="A,B")
+    parser.add_argument("--networks", type=names_of(NETWORKS), default=list(NETWORKS))
+    parser.add_argument("--controllers", type=names_of(CONTROLLERS), default=list(CONTROLLERS))
+    parser.add_argument(
+        "--seeds", type=seeds_of, default=range(1000, 1002), metavar="FROM:TO", help="20 for the record"
+    )
     parser.add_argument("--workers", type=int, default=cores())
     parser.add_argument("--json", action="store_true")
     return parser.parse_args()
 
 
-def _names(known: Any) -> Any:
+def names_of(known: Any) -> Any:
     """A reader of names that are separated by commas."""
 
     def parsed(text: str) -> list[str]:
@@ -226,12 +230,14 @@ def _names(known: Any) -> Any:
     return parsed
 
 
-def _seeds(text: str) -> range:
+def seeds_of(text: str) -> range:
+    """From "1000:1020"."""
     low, _, high = text.partition(":")
     return range(int(low), int(high))
 
 
-def _commit() -> str:
+def commit() -> str:
+    """Of the sources, with a mark if they were edited since."""
     command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
 

@@ -8,7 +8,7 @@ from experiments.study import study
 from formation.bodies.presets import PRESETS as BODIES
 from formation.faults import PRESETS
 from formation.scenario.files import shipped
-from formation.scenario.registry import NAMES
+from formation.scenario.registry import names
 
 HOW = {
     "bash": "echelon completion bash > ~/.local/share/bash-completion/completions/echelon",
@@ -21,7 +21,7 @@ HOW = {
 VALUES = {
     "scenario": tuple(shipped()),
     "study": tuple(study.shipped()),
-    "controller": NAMES,
+    "controller": names(),
     "faults": tuple(PRESETS),
     "bodies": tuple(BODIES),
 }

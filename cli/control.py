@@ -4,7 +4,9 @@ import argparse
 
 from cli.options import add_run, session
 from cli.talk import ask
+from dashboard.scenario_list import use_table
 from formation.errors import EchelonError
+from formation.scenario.files import is_file, load
 from network import control
 from network.control import Operation
 from network.messages import Request
@@ -76,7 +78,7 @@ def _operation(action: str, value: str) -> Operation:
                 raise EchelonError(f"speed: expected 0 (as fast as possible) to 1000; got {value}")
             return control.Speed(speed=speed)
         case "scenario":
-            return control.UseScenario(scenario=value)
+            return _scenario(value)
         case "controller":
             return control.UseController(controller=value)
         case "kill" | "restart":
@@ -85,6 +87,13 @@ def _operation(action: str, value: str) -> Operation:
             return control.operation(Request("compare", {"controller": value}))
         case _:
             return control.operation(Request(action))
+
+
+def _scenario(name: str) -> Operation:
+    """A shipped scenario by its name; a file as the table that it holds, for the world reads none."""
+    if not is_file(name):
+        return control.UseScenario(scenario=name)
+    return use_table(load(name))
 
 
 def _number(action: str, value: str, kind: type[int] | type[float]) -> float:

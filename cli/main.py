@@ -16,6 +16,8 @@ COMMANDS = {
     "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "print the state of a live run",
+    "recording": "look into a record, repair it, export its tables",
+    "verify": "simulate a record again and compare every bit",
     "scenarios": "list the scenarios, or the keys of a scenario",
     "schema": "print the JSON schema of scenario files",
     "compose": "print a compose file for a scenario",
@@ -59,6 +61,7 @@ def _run(words: Sequence[str], *, as_program: bool) -> int:
     try:
         if _starts_processes(words):
             importlib.import_module("runtime.fork_server").start_early()
+        words = [_whole(word, words) for word in words]
         options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
         module = importlib.import_module(f"cli.{options.command}")
         if as_program:
@@ -74,6 +77,11 @@ def _run(words: Sequence[str], *, as_program: bool) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+def _whole(word: str, words: Sequence[str]) -> str:
+    """--record alone has no value: a scenario that follows is not its file."""
+    return "--record=" if word == "--record" and words[0] in ("up", "run") else word
 
 
 def whole_parser() -> argparse.ArgumentParser:

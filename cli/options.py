@@ -2,18 +2,23 @@
 
 import argparse
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 from formation.bodies.presets import PRESETS as BODIES
 from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
+from formation.loading.load import names_code
+from formation.loading.source import Kind
 from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
-from formation.scenario.registry import NAMES
+from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
 from network.zenoh_bus import ZenohBus
+from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
+from runtime.user_code import named
 
 DEFAULT_SCENARIO = "triangle-circle"
 
@@ -21,13 +26,70 @@ DEFAULT_SCENARIO = "triangle-circle"
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
     """The scenario, by default `default`, and its differences from the file."""
     parser.add_argument("scenario", nargs="?", default=default, help=f"name or TOML file (default: {default})")
-    parser.add_argument("--controller", help=", ".join(NAMES))
+    add_controllers(parser)
     parser.add_argument("--faults", metavar="PRESET|FILE", help=f"{', '.join(PRESETS)}, or a TOML file with [[faults]]")
-    parser.add_argument("--bodies", metavar="PRESET", help=", ".join(BODIES))
+    parser.add_argument("--bodies", metavar="PRESET|FILE.py:CLASS", help=f"{', '.join(BODIES)}, or bodies of your own")
     parser.add_argument("--seed", help="of noise and faults")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
     )
+
+
+def add_controllers(parser: argparse.ArgumentParser) -> None:
+    """Controllers by name, or code of one's own; the first one drives, the others can be chosen and compared."""
+    parser.add_argument(
+        "--controller",
+        action="append",
+        metavar="NAME|FILE.py:CLASS",
+        help=f"{', '.join(names())}, or one of your own; given again, another one to choose or to compare with",
+    )
+
+
+def controllers(options: argparse.Namespace) -> list[str]:
+    """The names of --controller; code of a user's own is loaded. Raises ScenarioError."""
+    return [_name("controller", spec) for spec in options.controller or ()]
+
+
+def _name(kind: Kind, spec: str) -> str:
+    """The name of what an option names; code of a user's own is loaded."""
+    if not names_code(spec, kind):
+        return spec
+    ensure_compiled(tell)
+    return named(spec, kind)
+
+
+def add_record(parser: argparse.ArgumentParser) -> None:
+    """Whether and where the run is recorded."""
+    parser.add_argument(
+        "--record",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="record the run in a new MCAP file; --record alone names it after scenario and time",
+    )
+    parser.add_argument(
+        "--detail", choices=["default", "full"], default="default", help="of the record; full: every plan and tick"
+    )
+
+
+def record_file(options: argparse.Namespace, name: str) -> Path | None:
+    """The file to record in, None for none.
+
+    Args:
+        options: of `add_record`.
+        name: of the scenario.
+
+    Raises:
+        EchelonError: the file exists, or its folder does not.
+    """
+    if options.record is None:
+        return None
+    file = Path(options.record or f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap").absolute()
+    if file.exists():
+        raise EchelonError(f"--record: expected the name of a new file; {file} exists")
+    if not file.parent.is_dir():
+        raise EchelonError(f"--record: expected a file in a folder that exists; got {file}")
+    return file
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
@@ -51,10 +113,12 @@ def overrides(options: argparse.Namespace) -> dict[str, Any]:
         ScenarioError: the preset or file of --faults does not exist, or a --set is not key=value.
     """
     found = from_settings(options.settings)
-    if options.controller is not None:
-        found = merged(found, at_path("controller.name", options.controller))
+    wished = controllers(options)
+    if wished:
+        found = merged(found, at_path("controller.name", wished[0]))
     if options.bodies is not None:
-        found = merged(found, at_path("bodies.preset", options.bodies))
+        key = "bodies.implementation" if names_code(options.bodies, "bodies") else "bodies.preset"
+        found = merged(found, at_path(key, _name("bodies", options.bodies)))
     if options.seed is not None:
         found = merged(found, at_path("seed", from_text(options.seed)))
     if options.faults is not None:

@@ -5,13 +5,14 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_scenario, load, source, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
 from formation.errors import EchelonError
 from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
@@ -26,6 +27,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--duration", metavar="T", help="simulated time, such as 40 or 2min")
     parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
+    add_record(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -39,11 +41,14 @@ def run(options: argparse.Namespace) -> int:
     if options.realtime and options.engine == "inprocess":
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
     warn(scenario)
+    record = record_file(options, scenario.name)
     with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
-            summary = _inprocess(scenario, options.warmup, report)
+            summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, overrides, report)
+            summary = _processes(scenario, options, overrides, record, report)
+    if record is not None:
+        tell(f"recorded in {record}")
     if options.json:
         print(json.dumps(summary))
     else:
@@ -51,19 +56,35 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _inprocess(scenario: Scenario, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
+def _inprocess(
+    scenario: Scenario, options: argparse.Namespace, record: Path | None, report: Callable[[float], None]
+) -> dict[str, Any]:
     ensure_compiled(tell)
-    from runtime import inprocess  # noqa: PLC0415  half a second, for numba; the other engine does not need it
+    from runtime import inprocess, recording  # noqa: PLC0415  half a second, for numba; the other engine has no use
 
-    return inprocess.simulate(scenario, warmup=warmup, progress=report)
+    if record is None:
+        return inprocess.simulate(scenario, warmup=options.warmup, progress=report)
+    return recording.simulate(scenario, record, detail=options.detail, warmup=options.warmup, progress=report)
 
 
 def _processes(
-    scenario: Scenario, options: argparse.Namespace, overrides: Overrides, report: Callable[[float], None]
+    scenario: Scenario,
+    options: argparse.Namespace,
+    overrides: Overrides,
+    record: Path | None,
+    report: Callable[[float], None],
 ) -> dict[str, Any]:
-    speed = 1.0 if options.realtime else 0.0
-    name = f"run-{os.getpid()}"
-    with LiveRun(name, scenario, source(options), overrides, tell=tell, speed=speed, realtime=options.realtime) as live:
+    with LiveRun(
+        f"run-{os.getpid()}",
+        scenario,
+        source(options),
+        overrides,
+        tell=tell,
+        speed=1.0 if options.realtime else 0.0,
+        realtime=options.realtime,
+        record=None if record is None else str(record),
+        detail=options.detail,
+    ) as live:
         while live.watch():
             state = live.state
             if state is None:

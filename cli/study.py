@@ -10,11 +10,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from cli.options import add_workers, check_workers, tell
+from cli.options import add_controllers, add_workers, check_workers, controllers, tell
 from cli.progress import TrialProgress
+from experiments.study.controllers import with_controllers
 from experiments.study.study import Study, load, shipped
 from experiments.study.table import Row
 from formation.errors import StudyError
+from formation.loading.source import LOADED
 from formation.scenario.overrides import from_settings
 
 DEFAULT_OUT = "results"
@@ -29,6 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action="store_true", help="list the studies")
     add_workers(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"for the results (default: {DEFAULT_OUT}/study-NAME)")
+    add_controllers(parser)
     parser.add_argument("--seeds", type=int, metavar="N", help="trials of every point of the grid")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenarios"
@@ -45,6 +48,11 @@ def run(options: argparse.Namespace) -> int:
         raise StudyError(f"--seeds: expected at least 1; got {options.seeds}")
     check_workers(options)
     study = load(options.study, seeds=options.seeds, overrides=from_settings(options.settings))
+    names = controllers(options)
+    if names:
+        study = with_controllers(study, names)
+        if options.cluster is not None and any(("controller", name) in LOADED for name in names):
+            tell("the text of your own controllers goes to the workers of the cluster, which run it")
     folder: Path = options.out or Path(DEFAULT_OUT) / f"study-{study.name}"
     from experiments.study.results import run_and_write  # noqa: PLC0415  with the engine; the list does without
     from experiments.trials.batch import Place  # noqa: PLC0415

@@ -3,8 +3,9 @@
 import argparse
 import errno
 import socket
+from pathlib import Path
 
-from cli.options import add_scenario, load, source, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from runtime.launcher import LiveRun
@@ -32,6 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
     parser.add_argument("--paused", action="store_true", help="wait for Start")
+    add_record(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -45,6 +47,7 @@ def run(options: argparse.Namespace) -> int:
         token = access.new_token()
     warn(scenario)
     name = options.run or free_name(scenario.name)
+    record = record_file(options, scenario.name)
     with LiveRun(
         name,
         scenario,
@@ -58,8 +61,13 @@ def run(options: argparse.Namespace) -> int:
         paused=options.paused,
         endless=True,
         ghost=True,
+        record=None if record is None else str(record),
+        detail=options.detail,
+        scenarios=str(Path.cwd()),
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        if record is not None:
+            tell(f"recording in {record}")
         shown = 0
         try:
             while live.watch():

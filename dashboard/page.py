@@ -17,6 +17,7 @@ from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
 from dashboard.requests import RequestQueue
+from dashboard.scenario_list import ScenarioList
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
 from dashboard.telemetry.export_buffer import ExportBuffer
@@ -48,9 +49,16 @@ LEFT_WIDTH, RIGHT_WIDTH = 330, 400
 class Page:
     """The panels and the scene, and the telemetry they are drawn from."""
 
-    def __init__(self, server: viser.ViserServer, bus: Bus) -> None:
-        """Add everything to the page."""
+    def __init__(self, server: viser.ViserServer, bus: Bus, scenarios: ScenarioList | None = None) -> None:
+        """Add everything to the page.
+
+        Args:
+            server: of the page.
+            bus: of the run.
+            scenarios: what the page offers; the shipped ones, if absent.
+        """
         self._server = server
+        self._scenarios = scenarios or ScenarioList()
         self._telemetry = TelemetrySubscriber(bus)
         self._notices = Notices(server)
         self._requests = RequestQueue(bus, self._telemetry, self._notices.notify)
@@ -73,7 +81,7 @@ class Page:
 
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:
         gui.add_html(style_element())
-        self._run = RunPanel(gui, self._requests)
+        self._run = RunPanel(gui, self._requests, self._scenarios)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._export_buffer, lambda: self._palette, self._notices.notify)

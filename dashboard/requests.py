@@ -43,6 +43,10 @@ class RequestQueue:
         self._over = True
         self._thread.join(1.0)
 
+    def refuse(self, title: str, text: str, page: int | None) -> None:
+        """Notify a page that its request is not sent."""
+        self._notify(page, title, text)
+
     def ask(self, operation: Operation, page: int | None) -> None:
         """Request an operation, after all earlier requests."""
         self._flush()

@@ -139,10 +139,9 @@ def _kinds(name: str, schema: Mapping[str, Any]) -> str:
 
 def messages() -> str:
     """The topics, and each message with its fields."""
-    types, classes = (
-        _aliases(NETWORK / "fields.py"),
-        _classes(NETWORK / "messages.py") | _classes(NETWORK / "values.py"),
-    )
+    types = _aliases(NETWORK / "fields.py")
+    stretch, values = _classes(NETWORK / "stretch.py"), _classes(NETWORK / "values.py")
+    classes = _classes(NETWORK / "messages.py") | stretch | values
     text = MESSAGES_INTRO + topics_table()
     for name, kind in MESSAGES.items():
         text += f"\n## {kind.__name__}\n\n`{name}`. {_first(classes[kind.__name__][0])}\n\n"
@@ -150,7 +149,7 @@ def messages() -> str:
     text += "\n## What messages are made of\n\n" + table(
         ("type", "what it is"), [(code(n), t) for n, t in types.items()]
     )
-    for name in ("Event", "LinkCounts"):
+    for name in ("Event", "LinkCounts", "Order"):
         text += f"\n### {name}\n\n{_first(classes[name][0])}\n\n" + _fields(classes[name][1])
     text += "\n## Operations\n\nA `Request` names one of these, with its arguments.\n\n"
     return text + table(("operation", "what it does", "arguments"), [_operation(name) for name in OPERATIONS])

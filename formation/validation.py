@@ -2,9 +2,11 @@
 
 import types
 from collections import Counter
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from formation.errors import unknown
 
@@ -18,6 +20,8 @@ _BOUNDS = {
 }
 
 
+LINE = "line"
+"""Type of a mistake that has its line already."""
 LONGEST = 60
 """Characters of a wrong value that a line shows."""
 
@@ -35,10 +39,38 @@ def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
     return [line + more[kind] for kind, line in first.items()]
 
 
+def as_lines(error: ValidationError, model: type[BaseModel], others: Iterable[type[BaseModel]] = ()) -> ValidationError:
+    """The same mistakes with their lines, for whoever validates the table that has this one inside.
+
+    Args:
+        error: raised by `model`.
+        model: that the table names; the one outside cannot know it.
+        others: models that it might have named instead.
+    """
+    found: list[InitErrorDetails] = []
+    for item in error.errors(include_url=False):
+        line = _line(dict(item), model).partition(": ")[2]
+        if item["type"] == "extra_forbidden":
+            line += _whose(str(item["loc"][-1]), [other for other in others if other is not model])
+        found.append({"type": PydanticCustomError(LINE, "{error}", {"error": line}), "loc": item["loc"], "input": None})
+    return ValidationError.from_exception_data(model.__name__, found)
+
+
+def mistake(key: str, line: str) -> ValidationError:
+    """One mistake in the value of a key, for whoever validates the table."""
+    kind = PydanticCustomError(LINE, "{error}", {"error": line})
+    return ValidationError.from_exception_data(key, [{"type": kind, "loc": (key,), "input": None}])
+
+
+def _whose(key: str, others: list[type[BaseModel]]) -> str:
+    whose = [str(_tag(other)) for other in others if key in other.model_fields]
+    return f"; it is a key of {', '.join(whose)}" if whose else ""
+
+
 def _kind(item: dict[str, Any]) -> object:
     """What mistakes have in common that differ by their row only."""
     names = tuple(part for part in item["loc"] if not isinstance(part, int))
-    return names, item["type"], item["msg"] if item["type"] == "value_error" else ""
+    return names, item["type"], item["msg"] if item["type"] in ("value_error", LINE) else ""
 
 
 def shown(value: object) -> str:
@@ -53,8 +85,7 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     kind, context, got = item["type"], item.get("ctx", {}), item["input"]
     if kind == "extra_forbidden":
         line = unknown(f"{key}: unknown key", names[-1], owner.model_fields if owner else [])
-        whose = [str(_tag(other)) for other in others if names[-1] in other.model_fields]
-        return f"{line}; it is a key of {', '.join(whose)}" if whose else line
+        return line + _whose(names[-1], others)
     if kind in ("too_long", "too_short"):
         bounds = {"List": f"at {'most' if kind == 'too_long' else 'least'} ", "Tuple": ""}
         size = context.get("max_length", context.get("min_length"))
@@ -74,7 +105,7 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
         return f"{key}: expected {words} {context[bound]:g}; got {shown(got)}"
-    if kind == "value_error":
+    if kind in ("value_error", LINE):
         return f"{key}: {context['error']}"
     text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
     return f"{key}: expected {text}; got {shown(got)}"

@@ -16,8 +16,10 @@ from pydantic import TypeAdapter, ValidationError
 from formation.errors import WireError
 from formation.faults import Fault
 from formation.link_ids import LinkId
+from formation.scenario.user_code import UserCode
 from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
+from network.stretch import Order
 from network.topics import MESSAGES
 from network.values import Driving, Event, LinkCounts
 
@@ -25,7 +27,7 @@ MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")
 _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
-    kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event, Driving)
+    kind: tuple(f.name for f in dataclasses.fields(kind)) for kind in (*_NAMES, LinkCounts, Event, Driving, Order)
 }
 _ADAPTERS: dict[type, TypeAdapter[Any]] = {}
 
@@ -67,6 +69,8 @@ def _plain(value: object) -> object:
         return str(value)
     if isinstance(value, Fault):
         return value.plain()
+    if isinstance(value, UserCode):
+        return value.model_dump()
     if isinstance(value, tuple):
         return list(value)
     if isinstance(value, float):  # numpy's

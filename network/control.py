@@ -2,12 +2,11 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import ConfigDict, Field, FiniteFloat, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
-from formation.scenario.registry import check_name
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
 from network.fields import Link
@@ -75,7 +74,9 @@ class UseScenario(_Operation):
     """Switch to another scenario."""
 
     scenario: str
-    """A shipped name."""
+    """A shipped name; of a `table` its own."""
+    table: dict[str, Any] | None = None
+    """The scenario itself instead, checked as a file is; it may name no files."""
     overrides: dict[str, Any] = Field(default_factory=dict)
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 
@@ -101,8 +102,8 @@ class Restart(_Operation):
 class Compare(_Operation):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
-    controller: Annotated[str, AfterValidator(lambda name: check_name(name, "off"))]
-    """A name, or "off"."""
+    controller: str
+    """A name that the world knows, or "off"."""
 
 
 class Stop(_Operation):

@@ -1,6 +1,7 @@
-"""The messages between the processes of a run. Each is a frozen value with sender, seq and stamp.
+"""The messages between the processes of a run: frozen values with sender, seq and stamp, which is simulated time [s].
 
 `stamp` is simulated time [s]; every reset begins another `episode`. Robots count from 1. Bytes: network/codec.py.
+`episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes the messages.
 """
 
 from dataclasses import dataclass, field
@@ -8,6 +9,7 @@ from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
+from formation.scenario.user_code import UserCode
 from network import values
 from network.fields import (
     STRICT,
@@ -33,6 +35,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
 VERSION = 4
@@ -144,8 +147,9 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
-    keeps_off: Sender = 0
-    """Robot that v and omega were changed for, to keep off it; 0 if they are the plan's."""
+    keeps_off: Sender = 0  # the robot that v and omega were changed for; 0 if they are the plan's
+    failure: Text = ""
+    """Of a user's own controller that has failed in this episode: what and where; v and omega are 0 then."""
     __pydantic_config__ = STRICT
 
 
@@ -180,8 +184,7 @@ class Status:
     """Both as in the Command of the same tick."""
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
-    lost: Flag = False
-    """As in Plan."""
+    lost: Flag = False  # as in Plan
     __pydantic_config__ = STRICT
 
 
@@ -236,8 +239,7 @@ class State:
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
-    driving: Driving = field(default_factory=Driving)
-    """The driver's orders, where the path is driven."""
+    driving: Driving = field(default_factory=Driving)  # the driver's orders, where the path is driven
     __pydantic_config__ = STRICT
 
 
@@ -252,11 +254,9 @@ class Ghost:
     controller: Text
     poses: Poses
     distance_errors: Numbers
-    """(n,) l_e [m]."""
     angle_errors: Numbers
-    """(n,) psi_e [rad]."""
     tracking_error: NonNegative
-    """[m]."""
+    """As in State."""
     __pydantic_config__ = STRICT
 
 
@@ -272,8 +272,8 @@ class Setup:
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
-    faults: dict[Link, Fault]
-    """As in State."""
+    faults: dict[Link, Fault]  # as in State
+    user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 
 
@@ -297,4 +297,4 @@ class Reply:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply

@@ -10,9 +10,10 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from network.messages import Command, Ghost, Plan, Reply, Request, Setup, State, Status, Tick
+from network.stretch import Stretch
 from network.values import Mode
 
-Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "each"]
+Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "recorder", "each"]
 ROOT = "echelon"
 
 
@@ -109,6 +110,16 @@ STATE = Topic(
     stale=1.5,
     recorded=True,
 )
+STRETCH = Topic(
+    "stretch",
+    "stretch",
+    (Stretch,),
+    "world",
+    "true poses and inputs of every tick, orders, events, scenario",
+    pace="20 Hz of simulated time while recording",
+    reliable="lockstep",
+    recorded=True,
+)
 GHOST = Topic(
     "ghost",
     "ghost",
@@ -121,7 +132,7 @@ GHOST = Topic(
 CONTROL = Topic("control", "control", (Request, Reply, Setup), "world", "queryable", pace="on demand")
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, GHOST, CONTROL, ALIVE)
+TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, CONTROL, ALIVE)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -149,6 +160,11 @@ def status(run: str, robot: int | str) -> str:
 def state(run: str) -> str:
     """The world's State, for displays."""
     return STATE.key(run)
+
+
+def stretch(run: str) -> str:
+    """The world's Stretch, for recorders."""
+    return STRETCH.key(run)
 
 
 def ghost(run: str) -> str:

@@ -1,16 +1,20 @@
 """The same processes as containers: a compose file made of runtime/process_list.py."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from formation.loading.source import LOADED
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from runtime.process_list import Program, RunPlan, programs
+from runtime.user_code import NO_CODE, CodeArguments, mounted
 
 RUN = "echelon"
 ROUTER_PORT = 7447
 PAGE_PORT = 8090
+RECORDS = "/records"
+"""Where records are, in a volume of the same name; the image has the folder with the right owner."""
 
 _HEAD = """\
 # Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
@@ -35,7 +39,7 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides) -> RunPlan:
+def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, record: bool = False) -> RunPlan:
     """How a run of containers is put together."""
     return RunPlan(
         run=RUN,
@@ -45,17 +49,20 @@ def plan(scenario: str, overrides: Overrides) -> RunPlan:
         overrides=overrides,
         endless=True,
         ghost=True,
+        code=code,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
+        record=f"{RECORDS}/{scenario}.mcap" if record else None,
     )
 
 
-def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None) -> str:
+def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None, *, record: bool = False) -> str:
     """The text of a compose file that runs the scenario.
 
     Args:
         name: of a shipped scenario: the image holds no others.
         scenario: the same, loaded.
         overrides: what differs from it.
+        record: whether the run is recorded, in a volume.
 
     Raises:
         ScenarioError: its controller cannot run as processes.
@@ -63,10 +70,13 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     check_live(scenario.controller.name)
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(words=words, port=PAGE_PORT)
-    return head + "\n".join(_service(program) for program in programs(plan(name, overrides or {}), scenario))
+    code, mounts = mounted(LOADED.values())
+    listed = programs(plan(name, overrides or {}, code, record=record), scenario)
+    services = "\n".join(_service(program, mounts) for program in listed)
+    return head + services + ("\nvolumes:\n  records: {}\n" if record else "")
 
 
-def _service(program: Program) -> str:
+def _service(program: Program, mounts: Mapping[str, str]) -> str:
     name = f"agent-{program.number}" if program.role == "agent" else program.role
     check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
     check += ["--role", program.role, "--id", str(program.number)]
@@ -83,8 +93,15 @@ def _service(program: Program) -> str:
     ]
     if program.role == "world":  # a requested stop is final, a crash is not
         lines += ["    restart: on-failure"]
+    if any(f"{there}/" in word for word in program.arguments for there in mounts.values()):
+        volumes = [
+            {"type": "bind", "source": here, "target": there, "read_only": True} for here, there in mounts.items()
+        ]
+        lines += ["    volumes:", *(f"      - {json.dumps(volume)}".replace("$", "$$") for volume in volumes)]
     if program.role != "router":
         lines += ["    depends_on: [router]"]
+    if program.role == "recorder":
+        lines += ["    volumes:", f'      - "records:{RECORDS}"']
     if program.role == "dashboard":
         lines += [
             "    environment:",

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from agents.agent import Agent
+from agents.agent import Agent, Answer
+from agents.controllers.interface import Team
 from agents.controllers.registry import team_for
 from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
@@ -18,15 +19,16 @@ PROGRESS_TICKS = 50
 class Simulation:
     """An episode of the scenario, tick by tick."""
 
-    def __init__(self, scenario: Scenario, *, endless: bool = False) -> None:
+    def __init__(self, scenario: Scenario, *, endless: bool = False, team: Team | None = None) -> None:
         """World and agents at t = 0.
 
         Args:
             scenario: what to simulate.
             endless: continue past the duration, if the path is closed; then no trace is kept.
+            team: plans for all robots at once, instead of the scenario's controller.
         """
         self.world = World(scenario, endless=endless)
-        self._team = team_for(scenario)
+        self._team = team or team_for(scenario)
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
         self._both = any(len(agent.hears) > 1 for agent in self.agents.values())
@@ -54,8 +56,8 @@ class Simulation:
         """Whether the scenario's duration is over."""
         return self.world.finished
 
-    def step(self) -> None:
-        """One tick: deliver plans, plan, move."""
+    def step(self) -> dict[int, Answer]:
+        """One tick: deliver plans, plan, move. What every agent answered."""
         world, agents = self.world, self.agents
         tick = world.tick()
         if tick.revision != self._revision:
@@ -74,6 +76,7 @@ class Simulation:
                 world.hear(agent.status(tick.seq, tick.stamp))
         self._plans = [answer.plan for answer in answers.values() if answer.plan is not None]
         world.advance({robot: answer.command for robot, answer in answers.items()})
+        return answers
 
     def simulate(self, progress: Callable[[float], None] | None = None) -> Trace:
         """Simulate to the end; `progress` is called now and then with the simulated time [s]."""
@@ -97,5 +100,9 @@ def simulate(
     began = perf_counter()
     simulation = Simulation(scenario)
     simulation.simulate(progress)
-    summary = simulation.world.summary(warmup=warmup)
-    return {**summary, "engine": "inprocess", "wall_s": perf_counter() - began}
+    return summary_of(simulation, perf_counter() - began, warmup)
+
+
+def summary_of(simulation: Simulation, seconds: float, warmup: float) -> dict[str, Any]:
+    """The summary of a simulation that took so long [s]; measures start at `warmup` [s]."""
+    return {**simulation.world.summary(warmup=warmup), "engine": "inprocess", "wall_s": seconds}

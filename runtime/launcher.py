@@ -24,6 +24,7 @@ from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
+from runtime.user_code import packed
 
 WATCH_SECONDS = 0.05
 SUMMARY_SECONDS = 600.0
@@ -100,14 +101,13 @@ class LiveRun:
         page = self._options.get("dashboard")
         address = Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
         self._claim = claim = Claim(self._name, page=address)
+        file = claim.path / "scenario.json"
+        file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
         if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
             # A pipe can be read once only, and nobody else needs the files that a scenario names.
-            file = claim.path / "scenario.json"
-            file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
             source, overrides = str(file), {}
-        return RunPlan(
-            self._name, source, claim.endpoint, claim.endpoint, overrides, folder=str(claim.path), **self._options
-        )
+        options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
+        return RunPlan(self._name, source, claim.endpoint, claim.endpoint, overrides, **options)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

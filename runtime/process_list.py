@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.scenario import Scenario
+from runtime.user_code import NO_CODE, CodeArguments
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +45,20 @@ class RunPlan:
     """The run's private folder, which the router removes if no launcher is left to do it."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
+    started: str | None = None
+    """File of the scenario that the run was started with, for the page."""
+    scenarios: str | None = None
+    """Folder whose scenarios the page offers besides the shipped ones."""
     ghost: bool = False
     """Whether the run has a ghost process, for comparisons with another controller."""
+    record: str | None = None
+    """File that the run is recorded in; None for a run without a recorder."""
+    detail: str = "default"
+    """Of the record."""
     token: str | None = None
     """Token that browsers must send; None on loopback."""
+    code: CodeArguments = NO_CODE
+    """Code of users' own."""
 
 
 def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
@@ -56,22 +67,34 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     world = [*common, "--scenario", plan.scenario, "--speed", f"{plan.speed:g}"]
     if plan.overrides:
         world += ["--overrides", to_json(plan.overrides)]
+    world += ["--controllers", plan.code.known] if plan.code.known else []
+    world += _each("--bodies", plan.code.bodies)
     world += [flag for flag, on in _flags(plan) if on]
     router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder else ())]
     found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]
+    if plan.record is not None:  # before the agents: what happens at once is to be in the record
+        found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))
     found += [agent(plan, number) for number in range(1, scenario.size + 1)]
     if plan.ghost:
-        found.append(Program("ghost", 0, "runtime.ghost", common))
+        own = [*_each("--controller", plan.code.controllers), *_each("--bodies", plan.code.bodies)]
+        found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
     if plan.dashboard is not None:
         host, port = plan.dashboard
         where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
-        found.append(Program("dashboard", 0, "dashboard", (*common, *where)))
+        offered = (("--started", plan.started), ("--scenarios", plan.scenarios))
+        more = [word for flag, value in offered if value for word in (flag, value)]
+        found.append(Program("dashboard", 0, "dashboard", (*common, *where, *more)))
     return found
 
 
 def agent(plan: RunPlan, number: int) -> Program:
     """The agent of one robot."""
-    return Program("agent", number, "agents", ("--run", plan.run, "--connect", plan.connect, "--id", str(number)))
+    own = _each("--controller", plan.code.controllers)
+    return Program("agent", number, "agents", ("--run", plan.run, "--connect", plan.connect, "--id", str(number), *own))
+
+
+def _each(option: str, values: tuple[str, ...]) -> list[str]:
+    return [word for value in values for word in (option, value)]
 
 
 def _flags(plan: RunPlan) -> list[tuple[str, bool]]:

@@ -36,6 +36,7 @@ def chromium() -> str | None:
 NEEDS = {
     "chromium": Need(lambda: chromium() is not None, "apt-get install chromium"),
     "playwright": Need(package("playwright"), "pip install -e .[test]"),
+    "rosbags": Need(package("rosbags"), "pip install -e .[test]"),
     "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
 }
 """By name."""

@@ -34,7 +34,8 @@ def accepts(schema: dict[str, Any], value: Any, whole: dict[str, Any] | None = N
 
 def _is(name: str, value: Any) -> bool:
     if name in ("number", "integer"):
-        return isinstance(value, int if name == "integer" else (int, float)) and not isinstance(value, bool)
+        whole = name == "number" or float(value).is_integer() if isinstance(value, int | float) else False
+        return whole and not isinstance(value, bool)  # 1.0 is a whole number too
     return isinstance(value, TYPES[name])
 
 

@@ -14,10 +14,11 @@ ALLOWED = {
     "network": {"formation"},
     "agents": {"formation", "network"},
     "world": {"formation", "network"},
+    "records": {"formation", "network"},
     "dashboard": {"formation", "network"},
-    "runtime": {"formation", "network", "agents", "world", "dashboard"},
-    "experiments": {"formation", "network", "agents", "world", "dashboard", "runtime"},
-    "cli": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
+    "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
+    "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
+    "cli": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
@@ -32,7 +33,7 @@ MAX_MODULES = 20
 INSIDE: dict[str, list[set[str]]] = {
     "formation": [
         {"arrays", "errors", "units", "unicycle"},
-        {"pattern", "validation"},
+        {"pattern", "validation", "loading"},
         {"shapes", "schema", "metrics"},
         {"link_ids"},
         {"formation_spec", "faults", "disturbances", "paths", "bodies"},
@@ -48,6 +49,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "network": [
         {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
+        {"stretch"},
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},
@@ -69,10 +71,18 @@ INSIDE: dict[str, list[set[str]]] = {
         {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
         {"trace", "rate", "sight"},
         {"world"},
-        {"presence"},
+        {"presence", "journal", "samples"},
         {"run_control"},
         {"requests"},
         {"node"},
+        {"process"},
+        {"__main__"},
+    ],
+    "records": [
+        {"cdr", "definitions"},
+        {"messages", "file", "scanning"},
+        {"recorder", "repair", "record"},
+        {"export"},
         {"process"},
         {"__main__"},
     ],
@@ -81,7 +91,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"theme"},
         {"scene"},
         {"export", "notices"},
-        {"requests"},
+        {"requests", "scenario_list"},
         {"panels"},
         {"serving"},
         {"page"},
@@ -100,6 +110,7 @@ CLOCKS = {
     "network/bus.py",
     "network/lifetime.py",
     "network/throttled_log.py",
+    "records/process.py",
     "runtime",
     "world/process.py",
 }
@@ -187,6 +198,11 @@ def test_no_other_folder_holds_code_of_the_product() -> None:
 
 def test_zenoh_is_imported_in_one_module_of_network() -> None:
     assert importers("zenoh") == {"network/zenoh_bus.py"}
+
+
+def test_mcap_is_imported_in_records_only() -> None:
+    files = importers("mcap")
+    assert {file.split("/")[0] for file in files} == {"records"}
 
 
 def test_viser_is_imported_in_dashboard_only() -> None:

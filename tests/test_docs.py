@@ -25,7 +25,7 @@ ROOT = Path(__file__).parent.parent
 DOCS = ("design.md", "theory.md")
 """Pages whose sections are numbered and cited."""
 PAGES_BY_HAND = sorted(file.name for file in (ROOT / "docs").glob("*.md"))
-TEXTS = [ROOT / "README.md", *(ROOT / "docs" / name for name in PAGES_BY_HAND)]
+TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs" / name for name in PAGES_BY_HAND)]
 LAUNCHER = ("test", "docs")
 """Commands of the script `echelon`, which sets itself up, and not of the program."""
 SMALL = {"name": "small", "path": {"kind": "circle"}, "formation": {"shape": "triangle"}}
@@ -99,7 +99,7 @@ def test_every_file_that_a_page_names_exists(file: Any) -> None:
 
 def addresses() -> list[tuple[str, str, str]]:
     """Rows of the table "Where to find what": what, file, name."""
-    text = (ROOT / "docs" / "design.md").read_text("utf-8").split("Where to find what")[1]
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8").split("Where to find what")[1]
     return re.findall(r"^\| (\w[^|]*) \| `([^`]+)` \| `(\w+)` \|$", text, re.M)
 
 
@@ -118,6 +118,7 @@ def test_what_a_newcomer_looks_for_is_defined_where_the_table_says(what: str, fi
         for target in one.targets
         if isinstance(target, ast.Name)
     }
+    defined |= {one.target.id for one in body if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)}
     assert name in defined, what
 
 
@@ -224,3 +225,11 @@ def test_every_page_is_in_the_manuals_list_once() -> None:
 
 def test_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 120
+
+
+def test_what_runs_before_a_commit_or_a_push_is_what_ci_runs() -> None:
+    lines = (ROOT / ".ci" / "run").read_text("utf-8").splitlines()
+    checks = [line for line in lines if line.startswith(("./echelon", ".venv/bin/"))]
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))["repos"][0]["hooks"]
+    assert {hook["entry"] for hook in hooks} == set(checks)
+    assert len(checks) == 5

@@ -8,10 +8,12 @@ import sys
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.overrides import from_json
-from formation.scenario.registry import check_live
+from formation.scenario.registry import check_live, register_unloaded
+from formation.scenario.user_code import from_text
 from network.lifetime import Lifetime
 from network.values import Mode
 from network.zenoh_bus import ZenohBus
+from world.bodies.own import load_bodies
 from world.process import run
 from world.world import World
 
@@ -27,9 +29,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second; 0: as fast as possible")
     parser.add_argument("--endless", action="store_true", help="continue closed paths past the scenario's duration")
     parser.add_argument("--paused", action="store_true", help="wait for a start command")
+    parser.add_argument("--bodies", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
+    parser.add_argument(
+        "--controllers", default="[]", metavar="JSON", help="what is known of controllers of users' own"
+    )
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
     try:
+        for spec in options.bodies:
+            load_bodies(spec)
+        register_unloaded(from_text(options.controllers))
         scenario = load(options.scenario, from_json(options.overrides))
         check_live(scenario.controller.name)
         with ZenohBus(options.connect, options.run) as bus:

@@ -68,13 +68,13 @@ class Excursions:
         self._at_limit, self._outside, self._kept_off = (np.zeros(scenario.size, dtype=int) for _ in range(3))
         self._kept_at = np.full(scenario.size, -np.inf)
 
-    def keep_off(self, commands: Mapping[int, Command], now: float) -> list[tuple[int, int]]:
-        """Count the changed commands of a tick; pairs (numbers) of a robot that begins to keep off another."""
+    def reports(self, commands: Mapping[int, Command], now: float) -> list[str]:
+        """Count the changed commands of a tick; which robot begins to keep off which."""
         begun = []
         for robot, command in commands.items():
             if command.keeps_off:
                 if now - self._kept_at[robot - 1] > QUIET_SECONDS:
-                    begun.append((robot, command.keeps_off))
+                    begun.append(f"robot {robot} keeps off robot {command.keeps_off}")
                 self._kept_at[robot - 1] = now
                 self._kept_off[robot - 1] += 1
         return begun

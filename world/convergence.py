@@ -1,8 +1,9 @@
-"""Whether the agents' solvers converge, as their commands report it: counts for the summary, changes for the events."""
+"""Whether the agents' controllers work, as their commands report it: counts for the summary, changes for the events."""
 
 from collections.abc import Mapping
 
 from network.messages import Command
+from network.values import Severity
 
 RECOVERED_SECONDS = 1.0
 """After so long without a failure a solver works again [s], so that one that fails now and then is one event."""
@@ -17,6 +18,23 @@ class Convergence:
         self.failures: dict[int, int] = {}
         """Of these, plans that are a fallback because the solver did not converge."""
         self._failed_at: dict[int, float] = {}
+        self._broken: set[int] = set()
+
+    def reports(self, commands: Mapping[int, Command], now: float) -> list[tuple[str, Severity]]:
+        """Texts of the events that the commands of a tick report; arguments as of `add`."""
+        found: list[tuple[str, Severity]] = []
+        for robot, works in self.add(commands, now):
+            text = "converges again" if works else "does not converge: a fallback drives"
+            found.append((f"robot {robot}: its solver {text}", "info" if works else "error"))
+        for robot, reason in self.broken(commands):
+            found.append((f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error"))
+        return found
+
+    def broken(self, commands: Mapping[int, Command]) -> list[tuple[int, str]]:
+        """Robots whose controller, a user's own, has failed for good at this tick, with the reason."""
+        found = [(i, command.failure) for i, command in commands.items() if command.failure and i not in self._broken]
+        self._broken.update(robot for robot, _ in found)
+        return found
 
     def add(self, commands: Mapping[int, Command], now: float) -> list[tuple[int, bool]]:
         """Count the plans of a tick; robots whose solver began to fail (False) or works again (True).

@@ -11,12 +11,13 @@ from dataclasses import replace
 from formation.errors import WireError
 from network import topics
 from network.bus import Action, Connection, Incoming, Presence, Publish, Query, Reject, Sample
-from network.codec import decode
 from network.messages import Command, Status, Tick
+from world.journal import Journal
 from world.presence import AgentPresence
 from world.rate import Rate, RunningTime
 from world.requests import Requests
 from world.run_control import RunControl
+from world.samples import message_of
 from world.states import OUT, TABLE, Event, Phase
 from world.world import World
 
@@ -30,8 +31,6 @@ SHOWN_SECONDS = 1.0
 """A silent agent is shown as waited for after this long [s]."""
 LAST_STATUS_SECONDS = 2.0
 """How long the last statuses of an episode are waited for [s]."""
-MAX_AHEAD = 1.0
-"""A message may be stamped this far ahead of the world's time [s]."""
 
 
 class WorldNode:
@@ -52,6 +51,7 @@ class WorldNode:
         self._presence = AgentPresence(world)
         self._control = RunControl(world, self._rate, self._presence, go=start)
         self._requests = Requests(world, self._control)
+        self._journal = Journal(world)
         self._commands: dict[int, Command] = {}
         self._tick: Tick | None = None
         """The newest that went out."""
@@ -105,12 +105,16 @@ class WorldNode:
             if not self._advance(now):
                 break
         self._publish_state(now)
+        if stretch := self._journal.take():
+            self._actions.append(Publish(topics.stretch(self._run), stretch))
         return self._hand_over()
 
     def close(self, now: float) -> list[Action]:
         """What is to be done at the end: the last state."""
         self._state_at = now
         self._publish_state(now)
+        if stretch := self._journal.take(all_of_it=True):
+            self._actions.append(Publish(topics.stretch(self._run), stretch))
         return self._hand_over()
 
     def _hand_over(self) -> list[Action]:
@@ -171,6 +175,7 @@ class WorldNode:
     def _end_tick(self, commands: dict[int, Command], now: float) -> None:
         world = self._world
         world.advance(commands)
+        self._journal.note(commands)
         self._rate.end(now)
         self._control.note_tick()
         self.phase = TABLE[
@@ -236,6 +241,8 @@ class WorldNode:
                 self._presence.appear(robot) if here else self._presence.disappear(robot, self._running)
             case Presence("launcher", _, here):
                 self._presence.launcher = here
+            case Presence("recorder", _, here):
+                self._journal.wanted = here
             case Connection(up):
                 self._presence.connection(self._running, up=up)
             case _:
@@ -243,21 +250,13 @@ class WorldNode:
 
     def _take_sample(self, key: str, payload: bytes) -> None:
         world = self._world
-        message = decode(Command, payload) if key.endswith("/command") else decode(Status, payload)
-        if message.sender != topics.robot_of(key):
-            raise WireError(f"expected the sender named in the key; got {message.sender}")
-        if message.episode != world.episode:
-            return  # an agent that has not yet heard of this episode
-        if message.sender not in world.robots:
-            raise WireError(f"expected a robot of the scenario, 1 to {world.scenario.size}; got {message.sender}")
-        if message.stamp > world.now + MAX_AHEAD:
-            raise WireError(f"expected a stamp up to {world.now:g} s; got {message.stamp:g} s")
-        if isinstance(message, Status):
-            world.hear(message)
-        elif world.mode == "realtime":
-            self._commands[message.sender] = message
-        else:
-            self._take_command(message)
+        match message_of(world, key, payload):
+            case Status() as status:
+                world.hear(status)
+            case Command() as command if world.mode == "realtime":
+                self._commands[command.sender] = command
+            case Command() as command:
+                self._take_command(command)
 
     def _take_command(self, command: Command) -> None:
         """In lockstep: for the tick that is out, of a robot that was not lost meanwhile."""

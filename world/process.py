@@ -15,6 +15,7 @@ def join(bus: Bus, mode: Mode) -> None:
     """Take the world's place in the run."""
     bus.announce(topics.tick(bus.run), reliable=topics.TICK.is_reliable(mode))
     bus.announce(topics.state(bus.run))
+    bus.announce(topics.stretch(bus.run), reliable=topics.STRETCH.is_reliable(mode))
     bus.subscribe(topics.command(bus.run, "*"))
     bus.subscribe(topics.status(bus.run, "*"))
     bus.serve(topics.control(bus.run))

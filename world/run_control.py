@@ -7,7 +7,7 @@ from formation.errors import EchelonError, ScenarioError, unknown
 from formation.faults import preset
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load, parse, shipped
-from formation.scenario.registry import check_live
+from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
@@ -86,10 +86,8 @@ class RunControl:
                 world.change_fault(link, preset(name).model_dump(), seconds and world.now + seconds)
             case control.Clear(link=link):
                 world.clear_faults(link)
-            case control.UseScenario(scenario=name, overrides=overrides):
-                if name not in shipped():  # a client may name a shipped scenario, but not a file of this machine
-                    raise ScenarioError(unknown("scenario", name, shipped()))
-                self._use(load(name, overrides))
+            case control.UseScenario():
+                self._use(_scenario(operation))
             case control.UseController(controller=name):
                 self._use(with_controller(world.scenario, name))
             case control.Kill(robot=robot):
@@ -101,7 +99,7 @@ class RunControl:
                     self._presence.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
-                self.compare = "" if name == "off" else name
+                self.compare = "" if name == "off" else check_name(name, "off")
             case control.Drive(v=v, omega=omega, seconds=seconds):
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
@@ -150,6 +148,15 @@ class RunControl:
         self._world.use(scenario)
         self._presence.recall()
         self._ticks_left = 0
+
+
+def _scenario(wanted: control.UseScenario) -> Scenario:
+    """What a client asks for: a shipped scenario or one that it sends, but not a file of this machine."""
+    if wanted.table is not None:
+        return parse(wanted.table, wanted.overrides)
+    if wanted.scenario not in shipped():
+        raise ScenarioError(unknown("scenario", wanted.scenario, shipped()))
+    return load(wanted.scenario, wanted.overrides)
 
 
 def with_controller(scenario: Scenario, name: str) -> Scenario:

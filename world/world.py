@@ -14,8 +14,10 @@ from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.scenario import Scenario
+from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, Setup, State, Status, Tick
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
+from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
 from world.contacts import Contacts, Excursions
@@ -60,10 +62,11 @@ class World:
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
-        self._reference = self.driver.reference if self.driver else scenario.reference()
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self._reference)
+        self.reference = self.driver.reference if self.driver else scenario.reference()
+        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
         if self.trace:
             self.trace.start(self.plant.poses)
+        self.inputs: FloatArray = np.zeros((scenario.size, 2))  # commanded over the tick before
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
@@ -124,17 +127,16 @@ class World:
     def advance(self, commands: Mapping[int, Command]) -> None:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
-        held = set(self._commands.held)
-        inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
-        self._watch(held)
+        self.inputs = inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
+        for text, severity in self._commands.reports():
+            self.event("watchdog", text, severity)
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
-        for robot, works in self.convergence.add(commands, now):
-            text, severity = ("converges again", "info") if works else ("does not converge: a fallback drives", "error")
-            self.event("agent", f"robot {robot}: its solver {text}", severity)
-        for robot, other in self.excursions.keep_off(commands, now):
-            self.event("avoidance", f"robot {robot} keeps off robot {other}")
+        for text, severity in self.convergence.reports(commands, now):
+            self.event("agent", text, severity)
+        for text in self.excursions.reports(commands, now):
+            self.event("avoidance", text)
         self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
@@ -152,13 +154,6 @@ class World:
         """Count who touches whom."""
         for one, other in self.contacts.look(self.plant.poses):
             self.event("contact", f"robots {one} and {other} touch", "warning")
-
-    def _watch(self, before: set[int]) -> None:
-        """Say which robots the watchdog has stopped or released."""
-        for robot in sorted(before ^ self._commands.held):
-            stopped = robot in self._commands.held
-            text, severity = ("stopped: no fresh command", "error") if stopped else ("moves again", "info")
-            self.event("watchdog", f"robot {robot} {text}", severity)
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)
@@ -231,6 +226,7 @@ class World:
             scenario=self._scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
             faults=dict(self.faults.table),
+            user_code=user_code(),
         )
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
@@ -241,6 +237,7 @@ class World:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
             "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
@@ -262,7 +259,7 @@ class World:
         compare: str = "",
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
-        block = self._reference.block(self.k)
+        block = self.reference.block(self.k)
         row = self.k - block.first
         centre: FloatArray = block.centre[row, :3]
         poses = self.plant.poses

@@ -35,6 +35,19 @@ class NeighborEstimate(NamedTuple):
     """Whether the pose comes from relative sensing, rather than from the plan alone."""
 
 
+class Horizon(NamedTuple):
+    """The reference from where the plan begins: what a robot would do if it were in its slot."""
+
+    slots: FloatArray
+    """(N + 1, 3) own slot, one row a prediction interval [m, m, rad]."""
+    inputs: FloatArray
+    """(N, 2) body velocities that keep to it [m/s, rad/s]."""
+    upstream_slots: FloatArray
+    """(N + 1, 3) of the upstream neighbour."""
+    upstream_inputs: FloatArray
+    """(N, 2) of the upstream neighbour."""
+
+
 class Observation(NamedTuple):
     """The robot where its plan begins, and what it knows of its neighbours. New fields have defaults."""
 
@@ -63,6 +76,10 @@ class Observation(NamedTuple):
     """(2,) mean speeds since the last plan that the last filter allowed, if it changed a command [m/s, rad/s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
+    limits: FloatArray = STILL
+    """(2,) largest |v| and |omega| [m/s, rad/s]; given to controllers of users' own."""
+    reference: Horizon | None = None
+    """Given to controllers of users' own; the others ask their Task."""
 
 
 class Solution(NamedTuple):
@@ -79,6 +96,10 @@ class Solution(NamedTuple):
     """As in network.messages.Plan."""
     motion: FloatArray | None = None
     """(N, 2) mean body velocities that the inputs lead to, for the plan; the inputs themselves if None."""
+
+
+PROTOCOL = 1
+"""Number of this interface; a class of a user's own may name it as `protocol` and is refused once it is another."""
 
 
 class Controller(Protocol):

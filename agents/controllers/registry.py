@@ -5,24 +5,35 @@ formation/scenario/registry.py has the options and the spec of each name.
 """
 
 import importlib
+from collections.abc import Callable
 from typing import Any, cast
 
 from agents.controllers.interface import Controller, Team
 from agents.controllers.task import Task
-from formation.scenario.registry import IN_PROCESS, refusal
+from formation.errors import ScenarioError
+from formation.loading.load import differs
+from formation.scenario.registry import IN_PROCESS, refusal, spec_of
 from formation.scenario.scenario import Scenario
+
+OWN: dict[str, Callable[[Scenario, int, Task], Controller]] = {}
+"""How controllers of users' own are made that are loaded here."""
 
 
 def controller_for(scenario: Scenario, robot: int, task: Task) -> Controller:
     """The scenario's controller for one robot; the scenario has checked its name.
 
     Raises:
-        ScenarioError: the controller is one for all robots, which no robot can have for itself.
+        ScenarioError: the controller is one for all robots, which no robot can have for itself, or a user's own that is
+            not loaded here.
     """
-    name = scenario.controller.name
+    name, code = scenario.controller.name, spec_of(scenario.controller).code
     if name in IN_PROCESS:
         raise refusal(name)
-    return cast(Controller, _module(name).make(scenario, robot, task))
+    if code is None:
+        return cast(Controller, _module(name).make(scenario, robot, task))
+    if name not in OWN:
+        raise ScenarioError(differs(code.kind, code.name, code.origin, code.sha256, None))
+    return OWN[name](scenario, robot, task)
 
 
 def team_for(scenario: Scenario) -> Team | None:

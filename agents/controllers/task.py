@@ -36,6 +36,8 @@ class Task:
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         controller = scenario.controller
+        self.robot, self.robots = robot, scenario.size
+        """Its number, from 1, and how many there are."""
         other = upstream(robot, scenario.size)
         self.further = upstream(other, scenario.size)
         """The upstream neighbour of the upstream neighbour."""

@@ -78,8 +78,9 @@ def roll(
 def see(own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, at: int, places: FloatArray) -> None:
     """Bodies were at places (n, 2) in the own frame at tick `at` [m]; a row of zeros is not in sight.
 
-    An alpha-beta filter: least squares over the first sightings, before which a body is taken to move as the robot does,
-    then with fading memory, down to the law's gains. Where innovations keep to one side, it forgets all but the last few.
+    An alpha-beta filter: least squares over the first sightings, before which a body is taken to move as the robot
+    does, then with fading memory, down to the law's gains. Where innovations keep to one side, it forgets all but the
+    last few.
     """
     if memory[NEWEST] - at >= PAST:
         return

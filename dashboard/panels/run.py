@@ -1,5 +1,6 @@
 """The run panel: summary, start, pause, step, reset, scenario, controller, speed. Labels show the world's state."""
 
+from time import monotonic
 from typing import Any
 
 import viser
@@ -8,12 +9,13 @@ from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
 from dashboard.panels.run_summary import run_summary
 from dashboard.requests import RequestQueue
+from dashboard.scenario_list import ScenarioList
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
-from formation.scenario.files import shipped
-from formation.scenario.registry import LIVE, NAMES
-from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController, UseScenario
+from formation.errors import ScenarioError
+from formation.scenario.registry import live, names
+from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController
 from network.messages import State
 
 SPEEDS = {
@@ -27,26 +29,30 @@ SPEEDS = {
 }
 STEP_TICKS = 10
 NO_GHOST = "nothing"
+SCENARIO_HINT = "The run's own, the shipped ones, and the TOML files of the folder that the run was started from"
+REFRESH_SECONDS = 5.0
+"""Between two looks at that folder."""
 COMPARE_HINT = "Simulates this controller beside the run, as a ghost with the very same faults"
 
 
 class RunPanel:
     """Controls of the run, in the current container of the page."""
 
-    def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
-        self._requests = requests
+    def __init__(self, gui: viser.GuiApi, requests: RequestQueue, scenarios: ScenarioList) -> None:
+        self._requests, self._scenarios = requests, scenarios
+        self._refreshed = monotonic()
         self._status = ""
         self._summary = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
-        self._scenario = MirroredControl(gui.add_dropdown("Scenario", tuple(shipped())))
-        self._controller = MirroredControl(gui.add_dropdown("Controller", LIVE))
-        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *NAMES), hint=COMPARE_HINT))
+        self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
+        self._controller = MirroredControl(gui.add_dropdown("Controller", live()))
+        self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *names()), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
         self._toggle.on_click(lambda event: self._switch(event.client_id))
         self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
-        self._scenario.control.on_update(lambda event: self._choose(event, lambda name: UseScenario(scenario=name)))
+        self._scenario.control.on_update(lambda event: self._choose(event, scenarios.operation))
         self._controller.control.on_update(
             lambda event: self._choose(event, lambda name: UseController(controller=name))
         )
@@ -77,8 +83,14 @@ class RunPanel:
 
     def _choose(self, event: viser.GuiEvent[Any], operation: Any) -> None:
         # A page may send anything; a scenario by its path must not be read for it.
-        if event.client_id is not None and event.target.value in event.target.options:
-            self._requests.ask(operation(event.target.value), event.client_id)
+        if event.client_id is None or event.target.value not in event.target.options:
+            return
+        try:
+            asked = operation(event.target.value)
+        except ScenarioError as error:
+            self._requests.refuse("Not done", str(error), event.client_id)
+        else:
+            self._requests.ask(asked, event.client_id)
 
     # ------------------------------------------------------------------ from the world to the panel
 
@@ -93,11 +105,22 @@ class RunPanel:
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = icon
-        _show(self._scenario, state.scenario)
+        self._show_scenario(snapshot, state)
+        _offer(self._controller, live())
+        _offer(self._compare, names())
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
         _show(self._speed, _speed_name(state))
+
+    def _show_scenario(self, snapshot: Snapshot, state: State) -> None:
+        if monotonic() - self._refreshed >= REFRESH_SECONDS:
+            self._refreshed = monotonic()
+            self._scenarios.refresh()
+        label = self._scenarios.label_of(snapshot.scenario, state.scenario)
+        labels = self._scenarios.labels
+        set_if_changed(self._scenario.control, "options", labels if label in labels else (*labels, label))
+        self._scenario.show(label)
 
 
 _LABELS = {
@@ -121,8 +144,14 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
+def _offer(dropdown: MirroredControl, values: tuple[str, ...]) -> None:
+    """Add what the dropdown does not offer yet: controllers of the run's users own."""
+    more = tuple(value for value in values if value not in dropdown.control.options)
+    if more:
+        dropdown.control.options = (*dropdown.control.options, *more)
+
+
 def _show(dropdown: MirroredControl, value: str) -> None:
     """Show the world's value, also if the dropdown does not offer it."""
-    if value not in dropdown.control.options:
-        dropdown.control.options = (*dropdown.control.options, value)
+    _offer(dropdown, (value,))
     dropdown.show(value)

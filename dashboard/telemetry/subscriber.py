@@ -19,6 +19,7 @@ from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
+from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Bus, Sample
@@ -126,6 +127,7 @@ class TelemetrySubscriber:
             setup = self._bus.setup()
             if setup is None:
                 return
+            register_unloaded(setup.user_code)
             scenario = parse(json.loads(setup.scenario), where="the world's scenario")
         except (EchelonError, ValueError) as error:
             self._rejects.add("setup", error)

@@ -7,7 +7,7 @@ from experiments.report.report import Section
 from experiments.trials.result import Signals
 from experiments.trials.trial import Measurement, Trial, trial
 from formation.scenario.overrides import Overrides, merged
-from formation.scenario.registry import NAMES
+from formation.scenario.registry import BUILT_IN
 
 ALL_CONTROLLERS = ("leader_follower", "virtual_structure", "consensus", "paper", "nash", "centralised")
 """In the order of tables and figures; the report shows those that there are."""
@@ -49,7 +49,7 @@ class Chapter:
 
 def controllers(wanted: Sequence[str] = ALL_CONTROLLERS) -> list[str]:
     """Those of `wanted` that this version has, in the order of tables."""
-    return [name for name in ALL_CONTROLLERS if name in wanted and name in NAMES]
+    return [name for name in ALL_CONTROLLERS if name in wanted and name in BUILT_IN]
 
 
 def controller(name: str) -> Overrides:

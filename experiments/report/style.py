@@ -24,8 +24,6 @@ PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, YELLOW, GREY)
 """For whatever has no colour of its own, in this order."""
 MARKERS = ("s", "^", "o", "D", "v", "P", "X", "*")
 """With the palette, so that print without colour stays readable; the first three are the paper's (fig. 3)."""
-CONTROLLERS = {name: f"#{spec.colour}" for name, spec in registry.CONTROLLERS.items()}
-"""A controller has the same colour in every figure."""
 
 WIDTH = 7.2
 """Of a figure in the report [inch]; type of 9 points then has its size on A4 paper."""
@@ -82,10 +80,15 @@ def figure(height: float, *, width: float = WIDTH) -> Figure:
     return made
 
 
+def controllers() -> dict[str, str]:
+    """The colour of every controller that has one: the same in every figure."""
+    return {name: f"#{spec.colour}" for name, spec in registry.CONTROLLERS.items() if spec.colour}
+
+
 def colour(name: str, others: Sequence[str] = ()) -> str:
     """The colour of a controller; of anything else, by its place among `others`."""
-    if name in CONTROLLERS:
-        return CONTROLLERS[name]
+    if name in (known := controllers()):
+        return known[name]
     return PALETTE[list(others).index(name) % len(PALETTE)] if name in others else GREY
 
 

@@ -63,9 +63,10 @@ def _look(study: Study, spec: FigureSpec, line: Value | None) -> dict[str, Any]:
     """Colour and marker of a line, the same in every figure of the study."""
     names = [str(label) for label in study.labels[spec.by]] if spec.by else ["None"]
     place = names.index(str(line))
-    free = [c for c in style.PALETTE if c not in {style.CONTROLLERS[n] for n in names if n in style.CONTROLLERS}]
-    others = [n for n in names if n not in style.CONTROLLERS]
-    colour = style.CONTROLLERS.get(str(line)) or free[others.index(str(line)) % len(free)]
+    known = style.controllers()
+    free = [c for c in style.PALETTE if c not in {known[n] for n in names if n in known}]
+    others = [n for n in names if n not in known]
+    colour = known.get(str(line)) or free[others.index(str(line)) % len(free)]
     return {"color": colour, "marker": style.MARKERS[place % len(style.MARKERS)]}
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from experiments.trials.code_version import check_code_version, code_version
 from experiments.trials.measures import Event
+from formation.loading.source import LOADED, Kind, Source
 from formation.scenario import files
 from formation.scenario.overrides import Overrides, merged
 from formation.scenario.scenario import Scenario
@@ -55,13 +56,15 @@ class Trial:
     """Its point in a grid, by column: the scenario and every axis."""
     code: str = field(default_factory=code_version)
     """`code_version()` of who asks."""
+    user_code: tuple[Source, ...] = ()
+    """Code of users' own that it needs, with the text."""
 
     @property
     def key(self) -> str:
         """Names the result: the same scenario, measured the same way by the same code."""
         event = self.measurement.event
         measurement = {**asdict(self.measurement), "event": event and event.model_dump()}
-        named = [self.scenario, self.seed, measurement, self.code]
+        named = [self.scenario, self.seed, measurement, self.code, *(source.sha256 for source in self.user_code)]
         return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
     def load(self) -> Scenario:
@@ -75,8 +78,11 @@ class Trial:
             EchelonError: the scenario is wrong, or this machine has other code than who asks.
         """
         from experiments.trials.simulate import simulate  # noqa: PLC0415  loads the kernels: only workers need them
+        from runtime.user_code import admit  # noqa: PLC0415
 
         check_code_version(self.code)
+        for source in self.user_code:
+            admit(source)
         return simulate(self).plain()
 
 
@@ -101,4 +107,13 @@ def trial(
         loaded = files.load(scenario, merged(overrides, {"duration": limit}))
     # A fault tells which keys it changes by setting them: what is not set stays out.
     table = loaded.model_dump(mode="json", exclude_unset=True)
-    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size)
+    return Trial(name, table, seed, measurement, loaded.ticks * loaded.size, user_code=_user_code(loaded))
+
+
+def _user_code(scenario: Scenario) -> tuple[Source, ...]:
+    """What of the scenario is loaded code of a user's own."""
+    names: list[tuple[Kind, str]] = [
+        ("controller", scenario.controller.name),
+        ("bodies", scenario.bodies.implementation),
+    ]
+    return tuple(source for key in names if (source := LOADED.get(key)) is not None)

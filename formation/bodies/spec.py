@@ -145,9 +145,10 @@ class Bodies(Model):
     @model_validator(mode="before")
     @classmethod
     def _with_preset(cls, raw: Any) -> Any:
-        """Short text is a preset's name; a preset's values stand for the keys that are not given."""
+        """Short text is a preset's name, or "mujoco:" and one; its values stand for the keys that are not given."""
         if isinstance(raw, str):
-            raw = {"preset": raw}
+            implementation, _, preset = raw.rpartition(":")
+            raw = {"preset": preset} | ({"implementation": implementation} if implementation else {})
         if not isinstance(raw, dict):
             return raw
         name = raw.get("preset", "ideal")

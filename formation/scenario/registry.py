@@ -1,12 +1,11 @@
 """The controllers by name: their options, colour, and what a run has to know of them. One line each.
 
-Each is made by the module of its name (agents/controllers/registry.py).
+Each is made by the module of its name (agents/controllers/registry.py). Controllers of a user's own are added by who
+loads them (agents/controllers/own.py), and by name alone where they are not loaded: by the world and the page.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Union
-
-from pydantic import BeforeValidator, Field
 
 from formation.errors import ScenarioError, unknown
 from formation.scenario.controllers import (
@@ -18,6 +17,7 @@ from formation.scenario.controllers import (
     PaperOptions,
     VirtualStructureOptions,
 )
+from formation.scenario.user_code import UserCode, opaque_options
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class ControllerSpec:
 
     options: type[ControllerOptions]
     colour: str
-    """In every figure, rrggbb (Okabe and Ito 2008)."""
+    """In every figure, rrggbb (Okabe and Ito 2008); of a user's own, empty for a free one."""
     ages_plans: bool = False
     """Whether it rolls a received plan forward to now unless the scenario sets `age_plans`."""
     in_process_only: bool = False
@@ -37,6 +37,8 @@ class ControllerSpec:
     """Whether every robot must know the path itself; else it also runs with path.known_to = "leader"."""
     rounds_corners: bool = True
     """Whether its references turn corners feasibly; else it follows the paper's, jumps included."""
+    code: UserCode | None = None
+    """Of a controller of a user's own."""
 
     @property
     def name(self) -> str:
@@ -55,29 +57,61 @@ _SPECS = (
 CONTROLLERS: dict[str, ControllerSpec] = {spec.name: spec for spec in _SPECS}
 DEFAULT = _SPECS[0].name
 """Of a scenario that names no controller."""
-NAMES = tuple(CONTROLLERS)
+BUILT_IN = tuple(CONTROLLERS)
 IN_PROCESS = tuple(name for name, spec in CONTROLLERS.items() if spec.in_process_only)
-LIVE = tuple(name for name in NAMES if name not in IN_PROCESS)
-"""What can run as processes."""
 
 
-TOLD = tuple(name for name, spec in CONTROLLERS.items() if not spec.needs_path)
-"""What can run where robot 1 alone knows the path."""
+def names() -> tuple[str, ...]:
+    """Every controller that this process knows."""
+    return tuple(CONTROLLERS)
 
 
-def _named(given: object) -> object:
-    """The table of a controller with the name that it has by default."""
-    return {"name": DEFAULT, **given} if isinstance(given, dict) else given
+def live() -> tuple[str, ...]:
+    """What can run as processes."""
+    return tuple(name for name in CONTROLLERS if name not in IN_PROCESS)
 
 
-if TYPE_CHECKING:
-    AnyController = ControllerOptions
-else:
-    AnyController = Annotated[
-        Union[tuple(spec.options for spec in CONTROLLERS.values())],  # noqa: UP007  made of the table
-        Field(discriminator="name"),
-        BeforeValidator(_named),
-    ]
+def told() -> tuple[str, ...]:
+    """What can run where robot 1 alone knows the path."""
+    return tuple(name for name, spec in CONTROLLERS.items() if not spec.needs_path)
+
+
+def own_controllers() -> list[UserCode]:
+    """The controllers of users' own that this process knows."""
+    return [spec.code for spec in CONTROLLERS.values() if spec.code is not None]
+
+
+def check_free(name: str) -> None:
+    """Refuse a user's own controller with the name of a built-in one.
+
+    Raises:
+        ScenarioError: there is such a one.
+    """
+    if name in BUILT_IN:
+        raise ScenarioError(
+            f"--controller: expected a class with a name of its own; got {name}, which is built in "
+            f"({', '.join(BUILT_IN)})"
+        )
+
+
+def register(spec: ControllerSpec) -> None:
+    """Add a controller of a user's own, or replace one that was loaded earlier under its name. Raises ScenarioError."""
+    check_free(spec.name)
+    CONTROLLERS[spec.name] = spec
+
+
+def register_unloaded(codes: Iterable[UserCode]) -> None:
+    """Add controllers by what is known of them; those that are loaded here, in the same text, stay.
+
+    Raises:
+        ScenarioError: a built-in one has the name, or it is loaded here with another text.
+    """
+    for code in codes:
+        if code.kind != "controller":
+            continue
+        held = CONTROLLERS.get(code.name)
+        if held is None or held.code is None or held.code.sha256 != code.sha256:
+            register(ControllerSpec(opaque_options(code), code.colour, ages_plans=code.ages_plans, code=code))
 
 
 def spec_of(options: ControllerOptions) -> ControllerSpec:
@@ -89,18 +123,24 @@ def check_name(name: str, *others: str) -> str:
     """The name, if there is such a controller or it is one of the others.
 
     Raises:
-        ValueError: it is neither; the text lists what there is.
+        ScenarioError: it is neither; the text lists what there is.
     """
-    if name not in (*NAMES, *others):
-        raise ValueError(unknown("controller", name, [*NAMES, *others]).partition(": ")[2])
+    if name not in (*names(), *others):
+        raise ScenarioError(unknown_controller(name, *others))
     return name
+
+
+def unknown_controller(name: str, *others: str) -> str:
+    """Text for a controller that this process does not know."""
+    text = unknown("controller.name", name, [*names(), *others])
+    return f"{text}; code of your own is named on the command line: --controller FILE.py:CLASS"
 
 
 def refusal(name: str) -> ScenarioError:
     """The error for a controller of `IN_PROCESS` that was to run as processes."""
     return ScenarioError(
         f"controller.name: {name} plans for all robots in one process: expected run --engine inprocess, "
-        f"or a controller that runs as processes ({', '.join(LIVE)})"
+        f"or a controller that runs as processes ({', '.join(live())})"
     )
 
 

@@ -26,10 +26,11 @@ from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Block, Reference
+from formation.scenario.any_controller import AnyController
 from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
-from formation.scenario.registry import TOLD, AnyController, spec_of
+from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, Positive
@@ -78,7 +79,7 @@ class Scenario(Model):
             other = "a path of another kind" if self.driven else "all"
             raise ValueError(
                 f"path.known_to: {self.controller.name} needs the path in every robot: expected {other}, or a "
-                f"controller that follows what it is told ({', '.join(TOLD)})"
+                f"controller that follows what it is told ({', '.join(told())})"
             )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:

@@ -4,10 +4,12 @@ import argparse
 import logging
 import sys
 
+from agents.controllers.own import load_controller
 from formation.errors import EchelonError
 from network.lifetime import Lifetime
 from network.zenoh_bus import ZenohBus
 from runtime.ghost.process import run
+from world.bodies.own import load_bodies
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -15,9 +17,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m runtime.ghost", description=__doc__)
     parser.add_argument("--run", required=True, help="name of the run")
     parser.add_argument("--connect", required=True, help="the router's endpoint")
+    parser.add_argument("--controller", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
+    parser.add_argument("--bodies", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s ghost: %(message)s", stream=sys.stderr)
     try:
+        for spec in options.controller:
+            load_controller(spec)
+        for spec in options.bodies:
+            load_bodies(spec)
         with ZenohBus(options.connect, options.run) as bus:
             run(bus, Lifetime(bus.wake))
     except EchelonError as error:

@@ -8,7 +8,9 @@ from collections.abc import Iterable
 
 from pydantic import ValidationError
 
+from agents.controllers.own import check_loaded
 from formation.errors import EchelonError
+from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Action, Ask, Incoming, Publish, Reject, Response, Sample
@@ -148,6 +150,8 @@ class GhostNode:
         if response.request.operation == request(GetSetup()).operation:
             setup = decode(Setup, response.payload)
             if needs_setup and setup.episode == state.episode:
+                register_unloaded(setup.user_code)
+                check_loaded(setup.user_code, state.compare)
                 scenario = Scenario.model_validate_json(setup.scenario)
                 self._shadow = Shadow(scenario, state.compare, state.episode)
                 self._revision, self._ask_at = -1, 0.0

@@ -7,6 +7,7 @@ enough to have the same tables of faults, and the same orders of a driver, at th
 from collections import deque
 from collections.abc import Iterable, Mapping
 
+from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.paths.driven import Driven
@@ -46,6 +47,11 @@ class Shadow:
     def now(self) -> float:
         """Simulated time [s]."""
         return self._simulation.world.now
+
+    @property
+    def poses(self) -> FloatArray:
+        """True poses (n, 3) [m, m, rad]."""
+        return self._simulation.world.plant.poses
 
     @property
     def finished(self) -> bool:

@@ -34,7 +34,7 @@ class Launched:
     """`echelon up` with two robots."""
 
     def __init__(self, folder: str) -> None:
-        words = ["up", "circle", "--run", RUN, "--port", "0", "--token", TOKEN]
+        words = ["up", "circle", "--run", RUN, "--port", "0", "--token", TOKEN, "--set", "duration=125"]
         self._process = subprocess.Popen(
             [sys.executable, "-m", "cli.main", *words],
             cwd=ROOT,
@@ -159,3 +159,14 @@ def test_an_agent_that_lives_is_replaced_by_a_fresh_one(page: Driven, launched: 
     page.press("Restart 1")
     page.until(lambda: arrivals() > before and launched.state().dismissed == [], "a fresh agent 1", 30.0)
     page.show("Live")
+
+
+def test_the_page_returns_to_the_scenario_as_it_was_started(page: Driven, launched: Launched) -> None:
+    started = "circle (as started)"
+    page.until(lambda: page.chosen("Scenario") == started, "the scenario as it was started is shown")
+    page.choose("Scenario", "figure8")
+    page.until(lambda: launched.state().scenario == "figure8", "the other scenario runs")
+    page.until(lambda: page.chosen("Scenario") == "figure8", "the other scenario is shown")
+    page.choose("Scenario", started)
+    page.until(lambda: launched.state().scenario == "circle", "the first scenario runs again")
+    page.until(lambda: page.chosen("Scenario") == started, "it is shown as what it is")

@@ -10,7 +10,7 @@ import pytest
 from cli.main import COMMANDS, main
 from formation.faults import PRESETS
 from formation.scenario.files import shipped
-from formation.scenario.registry import NAMES
+from formation.scenario.registry import names
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_every_command_is_offered(script: Any, tmp_path: Any) -> None:
 @pytest.mark.parametrize(
     ("line", "names"),
     [
-        ("echelon run x --controller ", NAMES),
+        ("echelon run x --controller ", names()),
         ("echelon up x --faults ", PRESETS),
         ("echelon control co", ("controller", "compare")),
         ("echelon fault set --l", ("--latency", "--loss", "--link")),
@@ -67,4 +67,4 @@ def test_a_scenario_is_a_name_or_a_file(script: Any, tmp_path: Any) -> None:
 def test_other_shells_have_the_names_too(shell: Any, capsys: Any) -> None:
     assert main(["completion", shell]) == 0
     text = capsys.readouterr().out
-    assert all(name in text for name in (*COMMANDS, *shipped(), *NAMES))
+    assert all(name in text for name in (*COMMANDS, *shipped(), *names()))

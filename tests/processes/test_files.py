@@ -3,10 +3,13 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.processes.live import Up, echelon, wait_for
 
 pytestmark = pytest.mark.processes
 
@@ -62,3 +65,15 @@ def test_files_may_be_named_by_an_override(runs: Path, folder: Any) -> None:
     }
     assert len(hashes) == 1
     assert not list(runs.iterdir())
+
+
+def test_a_live_run_returns_to_the_users_own_scenario(up: Callable[..., Up], folder: Any, monkeypatch: Any) -> None:
+    monkeypatch.chdir(folder)
+    run = up("own.toml", "--port", "0", "--set", "link.latency=0.2")
+    assert run.running()["scenario"] == "own"
+    echelon("control", "scenario", "circle")
+    wait_for(lambda: run.status().get("scenario") == "circle")
+    echelon("control", "scenario", "own.toml")
+    wait_for(lambda: run.status().get("scenario") == "own")
+    assert "expected one of" in echelon("control", "scenario", "own", check=2).stderr
+    assert run.end() == 0

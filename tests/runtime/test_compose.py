@@ -2,18 +2,24 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
+from agents.controllers.own import load_controller
+from formation.errors import ScenarioError
+from formation.loading.source import LOADED, Source
 from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
 from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
 from runtime.process_list import Program, RunPlan, programs
+from tests.user_code import clean, hold_slot
 
+__all__ = ["clean", "hold_slot"]
+Write = Callable[..., str]
 ROOT = Path(__file__).parents[2]
 SCENARIO = "triangle-circle"
 
@@ -149,3 +155,34 @@ def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() ->
     folder = [line for line in lines[:compiling] if line.startswith("WORKDIR ")][-1]
     assert folder == "WORKDIR /tmp"
     assert lines[-1] == "USER 10001:10001"
+
+
+def test_the_folder_of_code_of_ones_own_is_mounted_where_it_is_loaded(hold_slot: Write) -> None:
+    spec = hold_slot()
+    name = load_controller(spec).name
+    overrides = {"controller": {"name": name}}
+    found = services(SCENARIO, overrides)
+    folder = spec.rpartition("/")[0]
+    for service, made in found.items():
+        loads = service.startswith("agent-") or service == "ghost"
+        assert ("volumes" in made) == loads, service
+        if loads:
+            (volume,) = made["volumes"]
+            assert (volume["source"], volume["read_only"]) == (folder, True)
+            assert f"{volume['target']}/mine.py:HoldSlot" in made["command"]
+        assert ("--controllers" in made["command"]) == (service == "world")
+
+
+def test_an_installed_module_is_refused_for_the_image_does_not_have_it(tmp_path: Path, clean: None) -> None:
+    LOADED["controller", "X"] = Source("controller", "X", "package.module", "X", {}, "0" * 64)
+    with pytest.raises(ScenarioError, match=r"expected FILE.py:CLASS.*got package.module:X"):
+        compose_file(SCENARIO, load(SCENARIO))
+
+
+def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
+    text = compose_file(SCENARIO, load(SCENARIO), record=True)
+    found = parsed(text)
+    assert found["services"].keys() - services().keys() == {"recorder"}
+    assert found["services"]["recorder"]["volumes"] == ["records:/records"]
+    assert found["volumes"] == {"records": {}}
+    assert "mkdir /records && chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()

@@ -5,10 +5,12 @@ from collections.abc import Callable
 from formation.errors import ScenarioError, unknown
 from formation.scenario.scenario import Scenario
 from world.bodies.interface import Bodies
+from world.bodies.mujoco_ground import MujocoGround
 from world.bodies.wheeled import WheeledBodies
 
 IMPLEMENTATIONS: dict[str, Callable[[Scenario], Bodies]] = {
     "wheeled": WheeledBodies,
+    "mujoco": lambda scenario: WheeledBodies(scenario, MujocoGround(scenario)),
 }
 
 

@@ -9,6 +9,7 @@ carried by a disturbance's drift and by gusts.
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -43,11 +44,25 @@ class Constants:
     """Whether the wheels do what they are commanded at once."""
 
 
+class Ground(Protocol):
+    """What carries the robots, and what they bump into."""
+
+    def roll(self, speeds: list[tuple[float, float]], carried: FloatArray | None, dt: float) -> FloatArray:
+        """Poses (n, 3) after a tick of dt [s] in which the wheels make these v and omega; some are carried on top."""
+        ...
+
+
 class WheeledBodies:
     """Bodies of all robots, moved tick by tick. The same seed gives the same noise, whatever the commands."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        """Robots at their start, with their wheels at the speeds of their slots."""
+    def __init__(self, scenario: Scenario, ground: Ground | None = None) -> None:
+        """Robots at their start, with their wheels at the speeds of their slots.
+
+        Args:
+            scenario: of the episode.
+            ground: what wheels that turn do to bodies; unicycles that nothing holds up, if absent.
+        """
+        self._ground = ground
         self._dt, self._disturbances = scenario.control_interval, scenario.disturbances
         known = scenario.nominal
         n = scenario.size
@@ -83,22 +98,31 @@ class WheeledBodies:
         acting = self._queue.popleft()
         drive, cap, drift = self._disturbed()
         noise = self._motion.at(self._k).tolist() if self._slips else None
-        moved, wheels = [], []
-        for i, (body, (x, y, theta)) in enumerate(zip(self._bodies, self.poses.tolist(), strict=True)):
+        made, wheels = [], []
+        for i, body in enumerate(self._bodies):
             speeds = _spun(body, self._wheels[i], acting[i], cap[i])
             v, omega = speeds[0] * body.gains[0], speeds[1] * body.gains[1]
             if noise is not None:
                 n = self._correlated(i, noise[i])
                 v, omega = v * (1.0 + body.slip * n[0]), omega * (1.0 + body.slip * n[1]) + body.gyro * n[2]
-            moved.append(unicycle.step(x, y, theta, v * drive[i], (omega + body.offset) * drive[i], self._dt))
+            made.append((v * drive[i], (omega + body.offset) * drive[i]))
             wheels.append(speeds)
         self._wheels = wheels
         if self._gusts.blow:
             gust = self._gusts.at(self._k)
             drift = gust if drift is None else drift + gust
-        poses = np.array(moved)
-        self.poses = read_only(poses if drift is None else poses + self._dt * drift)
+        self.poses = read_only(self._ground.roll(made, drift, self._dt) if self._ground else self._rolled(made, drift))
         self._k += 1
+
+    def _rolled(self, made: list[tuple[float, float]], drift: FloatArray | None) -> FloatArray:
+        """Poses (n, 3) of unicycles a tick later."""
+        poses = np.array(
+            [
+                unicycle.step(x, y, theta, v, omega, self._dt)
+                for (x, y, theta), (v, omega) in zip(self.poses.tolist(), made, strict=True)
+            ]
+        )
+        return poses if drift is None else poses + self._dt * drift
 
     def _correlated(self, i: int, fresh: list[float]) -> list[float]:
         """The noise of robot row i at this tick: white, or first-order autoregressive with unit variance."""

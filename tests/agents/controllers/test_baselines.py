@@ -22,11 +22,12 @@ from agents.kernels.lq import cost, optimise
 from agents.kernels.pair_cost import cost as pair_cost
 from agents.kernels.pair_cost import ring_weights
 from dashboard.panels.run import RunPanel
+from dashboard.scenario_list import ScenarioList
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
 from formation.pattern import upstream
 from formation.scenario.files import load, parse
-from formation.scenario.registry import IN_PROCESS, LIVE, NAMES
+from formation.scenario.registry import IN_PROCESS, live, names
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.control import UseController, UseScenario
@@ -401,15 +402,15 @@ def test_a_team_that_is_nowhere_says_so_and_keeps_its_limits() -> None:
 def refused(mistake: Any) -> None:
     text = str(mistake.value)
     assert "\n" not in text
-    for word in ("centralised", "--engine inprocess", *LIVE):
+    for word in ("centralised", "--engine inprocess", *live()):
         assert word in text
 
 
 def test_every_controller_can_run_live_or_is_refused_by_name() -> None:
-    assert set(LIVE) | set(IN_PROCESS) == set(NAMES)
-    for name in NAMES:
+    assert set(live()) | set(IN_PROCESS) == set(names())
+    for name in names():
         task = scenario(name)
-        if name in LIVE:
+        if name in live():
             assert Agent(task, 2).step(builders.tick(0, task.start_poses())).plan is not None
         else:
             with pytest.raises(ScenarioError) as mistake:
@@ -442,6 +443,6 @@ def test_a_live_world_refuses_it_and_goes_on_as_before() -> None:
 
 def test_the_page_does_not_offer_it() -> None:
     gui = MagicMock()
-    RunPanel(gui, MagicMock())
+    RunPanel(gui, MagicMock(), ScenarioList())
     offered = {call.args[0]: call.args[1] for call in gui.add_dropdown.call_args_list}
-    assert set(offered["Controller"]) == set(NAMES) - {"centralised"}
+    assert set(offered["Controller"]) == set(names()) - {"centralised"}

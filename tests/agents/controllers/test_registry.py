@@ -9,11 +9,11 @@ from agents.controllers.task import Task
 from formation.errors import ScenarioError
 from formation.scenario.controllers import SHARED_KEYS
 from formation.scenario.files import load
-from formation.scenario.registry import CONTROLLERS, IN_PROCESS, LIVE
+from formation.scenario.registry import CONTROLLERS, IN_PROCESS, live
 from world.run_control import with_controller
 
 
-@pytest.mark.parametrize("name", LIVE)
+@pytest.mark.parametrize("name", live())
 def test_every_controller_that_runs_as_a_process_can_be_made_for_one_robot(name: str) -> None:
     scenario = load("circle", {"controller": {"name": name}})
     assert callable(controller_for(scenario, 2, Task(scenario, 2)).plan)

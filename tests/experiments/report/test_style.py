@@ -28,6 +28,6 @@ def test_the_users_own_matplotlib_settings_do_not_matter_and_are_left_alone() ->
 
 
 def test_controllers_have_colours_that_differ() -> None:
-    assert len(set(style.CONTROLLERS.values())) == len(style.CONTROLLERS)
+    assert len(set(style.controllers().values())) == len(style.controllers())
     assert style.colour("b", ["a", "b"]) == style.PALETTE[1]
     assert style.colour("nobody") == style.GREY

@@ -94,7 +94,7 @@ def test_lines_are_means_over_seeds_in_millimetres() -> None:
     assert axes.get_ylabel().endswith("[mm]")
     assert len({line.get_color() for line in handles.values()}) == 3
     assert len({line.get_marker() for line in handles.values()}) == 3
-    assert handles["paper"].get_color() == style.CONTROLLERS["paper"]
+    assert handles["paper"].get_color() == style.controllers()["paper"]
 
 
 def test_ratios_are_paired_with_the_baseline_and_have_no_unit() -> None:

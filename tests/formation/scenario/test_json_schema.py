@@ -15,6 +15,7 @@ from formation.scenario.files import SHIPPED, parse, shipped
 from formation.scenario.json_schema import json_schema
 from formation.scenario.keys import keys
 from formation.scenario.overrides import at_path, merged
+from formation.scenario.registry import CONTROLLERS
 from formation.scenario.scenario import Scenario
 from tests import strategies
 from tests.json_schema import accepts
@@ -76,8 +77,9 @@ DRAWN = st.fixed_dictionaries(
     {"path": strategies.of(Circle)},
     optional={
         name: strategies.of(Scenario.model_fields[name].annotation)
-        for name in ("noise", "link", "faults", "disturbances", "estimator", "controller", "lockstep")
-    },
+        for name in ("noise", "link", "faults", "disturbances", "estimator", "lockstep")
+    }
+    | {"controller": st.one_of([strategies.of(spec.options) for spec in CONTROLLERS.values()])},
 )
 
 

@@ -7,8 +7,10 @@ from typing import Annotated, Any, Union, get_args, get_origin
 import pytest
 from pydantic import BaseModel
 
+from formation.scenario.controllers import ControllerOptions
 from formation.scenario.files import parse
 from formation.scenario.keys import ABSENT, REQUIRED, keys, matching
+from formation.scenario.registry import CONTROLLERS
 from formation.scenario.scenario import Scenario
 from formation.validation import TAGS
 
@@ -17,6 +19,8 @@ SMALL: dict[str, Any] = {"name": "small", "path": {"kind": "circle"}, "formation
 
 
 def models(annotation: Any) -> list[type[BaseModel]]:
+    if annotation is ControllerOptions:  # stands for any of them
+        return [spec.options for spec in CONTROLLERS.values()]
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     if get_origin(annotation) in (Union, types.UnionType, Annotated, list, tuple):

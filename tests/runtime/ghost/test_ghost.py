@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from formation.errors import FaultError
+from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
 from formation.link_ids import LinkId, every_link
 from formation.scenario.files import load
 from network.codec import MAX_BYTES, encode
-from network.control import Compare, GetOrders, Orders, Pause, SetFault, operation, request
+from network.control import Compare, GetOrders, Orders, Pause, SetFault
 from network.messages import Reply
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
@@ -165,9 +165,7 @@ def test_the_world_says_which_ghost_is_wanted_and_what_the_faults_were() -> None
 
 
 def test_a_ghost_of_no_controller_is_refused_with_the_choices() -> None:
-    from formation.errors import EchelonError
-    from network.messages import Request
-
-    assert operation(request(Compare(controller="off"))) == Compare(controller="off")
-    with pytest.raises(EchelonError, match=r"nash, paper, .*off"):
-        operation(Request("compare", {"controller": "ghost"}))
+    desk = orders(World(load("triangle-circle")))
+    with pytest.raises(ScenarioError, match=r"nash, paper, .*off"):
+        desk.obey(Compare(controller="ghost"))
+    assert desk.compare == ""

@@ -1,0 +1,50 @@
+"""What recorders get of the world: some ticks of an episode as they were, and what was ordered meanwhile."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
+from network.values import Event, Mode
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What changed the episode from a tick on: who simulates it again repeats it there."""
+
+    number: Count
+    """In the episode, from 0 without gaps."""
+    tick: Count
+    kind: Literal["faults", "drive", "agents"]
+    """A table of faults, an order of the driver, or which robots answer from this tick on."""
+    value: dict[str, Any]
+    """faults: by link, the keys that differ from a perfect one. drive: v [m/s], omega [rad/s]. agents: answered, a list
+    of robots."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """World to recorders, while there is one: every pose since the stretch before, and what happened."""
+
+    sender: Sender
+    seq: Count
+    """In the episode, since the recorder appeared."""
+    stamp: NonNegative
+    """Of the last poses."""
+    episode: Count
+    first: Count
+    """Tick of the first poses."""
+    poses: Poses
+    """(T n, 3) true poses of n robots at T ticks, tick by tick."""
+    inputs: Inputs
+    """(T n, 2) commanded inputs over the tick that led there."""
+    slots: Poses
+    """(n, 3) slots at the last tick."""
+    centre: Pose
+    """Reference position of the formation's centre at the last tick, with the path's heading."""
+    mode: Mode
+    orders: list[Order] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    scenario: LongText = ""
+    """JSON of the scenario, in the first stretch of an episode and in the first that a recorder gets; else empty."""
+    __pydantic_config__ = STRICT

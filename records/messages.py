@@ -1,0 +1,206 @@
+"""The messages of a record, encoded. Times are nanoseconds since the epoch; frames are named as in /tf."""
+
+import struct
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from records.cdr import Cdr, string
+
+MAP = "map"
+"""The frame in which poses are."""
+_TIME = struct.Struct("<iI")
+"""Of a header: seconds, nanoseconds."""
+_NO_COVARIANCE = np.zeros(36)
+_STEPS = 2.0**16
+"""Pictures are rounded to this part of a metre, or of 1 in a quaternion, so that they compress: to 15 um."""
+LINE_LIST = 5
+"""Of a Marker: its points are the ends of lines, two by two."""
+Colour = tuple[float, float, float, float]
+
+
+class Lines(NamedTuple):
+    """Lines of one kind in a picture."""
+
+    namespace: str
+    points: FloatArray
+    """(2 m, 2) the ends of m lines [m]."""
+    colours: Sequence[Colour]
+    """Of each line."""
+    width: float
+    """[m]."""
+
+
+def _time(cdr: Cdr, stamp: int) -> None:
+    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)), 4)
+
+
+def _header(cdr: Cdr, stamp: int, frame: str) -> None:
+    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)) + string(frame), 4)
+
+
+def _placed(poses: FloatArray) -> FloatArray:
+    """Poses (n, 3) as x, y, z and a quaternion x, y, z, w (n, 7)."""
+    found, half = np.zeros((len(poses), 7)), 0.5 * poses[:, 2]
+    found[:, :2], found[:, 5], found[:, 6] = poses[:, :2], np.sin(half), np.cos(half)
+    return found
+
+
+def _drawn(poses: FloatArray) -> list[bytes]:
+    """As `_placed`, rounded, encoded pose by pose."""
+    return [row.tobytes() for row in np.round(_placed(poses) * _STEPS) / _STEPS]
+
+
+def _twist(velocity: FloatArray) -> tuple[float, ...]:
+    return float(velocity[0]), 0.0, 0.0, 0.0, 0.0, float(velocity[1])
+
+
+def twist_stamped(stamp: int, frame: str, velocity: FloatArray) -> bytes:
+    """geometry_msgs/TwistStamped of v, omega [m/s, rad/s]."""
+    cdr = Cdr()
+    _header(cdr, stamp, frame)
+    cdr.array("d", _twist(velocity))
+    return bytes(cdr)
+
+
+def odometry(stamp: int, child: str, pose: FloatArray, velocity: FloatArray) -> bytes:
+    """nav_msgs/Odometry: where a robot is in the map, and its v, omega in its own frame."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.text(child)
+    cdr.array("d", np.concatenate([_placed(pose[None])[0], _NO_COVARIANCE, _twist(velocity), _NO_COVARIANCE]))
+    return bytes(cdr)
+
+
+def transforms(stamp: int, frames: Iterable[tuple[str, FloatArray]]) -> bytes:
+    """tf2_msgs/TFMessage: where frames are in the map."""
+    cdr, placed = Cdr(), list(frames)
+    cdr.put("I", len(placed))
+    drawn = _drawn(np.array([pose for _, pose in placed]).reshape(-1, 3))
+    for (child, _), pose in zip(placed, drawn, strict=True):
+        _header(cdr, stamp, MAP)
+        cdr.text(child)
+        cdr.raw(pose, 8)
+    return bytes(cdr)
+
+
+def path(stamp: int, poses: FloatArray, stamps: Sequence[int]) -> bytes:
+    """nav_msgs/Path of poses (N, 3) in the map, each with its time."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.put("I", len(poses))
+    for at, pose in zip(stamps, _drawn(poses), strict=True):
+        _header(cdr, at, MAP)
+        cdr.raw(pose, 8)
+    return bytes(cdr)
+
+
+def markers(stamp: int, pictures: Iterable[Lines]) -> bytes:
+    """visualization_msgs/MarkerArray: lines in the map."""
+    cdr, drawn = Cdr(), list(pictures)
+    cdr.put("I", len(drawn))
+    for lines in drawn:
+        _marker(cdr, stamp, lines)
+    return bytes(cdr)
+
+
+def _marker(cdr: Cdr, stamp: int, lines: Lines) -> None:
+    _header(cdr, stamp, MAP)
+    cdr.text(lines.namespace)
+    cdr.array("i", (0, LINE_LIST, 0))  # id, type, action: add or change
+    cdr.array("d", (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, lines.width, 0.0, 0.0))  # pose, scale
+    cdr.array("f", (1.0, 1.0, 1.0, 1.0))
+    cdr.array("i", (0, 0))  # lifetime: until the next
+    cdr.put("B", 0)  # not locked to its frame
+    cdr.put("I", len(lines.points))
+    points = np.round(lines.points * _STEPS) / _STEPS
+    cdr.array("d", np.column_stack([points, np.zeros(len(points))]))
+    cdr.put("I", len(lines.points))
+    cdr.array("f", np.repeat(np.array(lines.colours).reshape(-1, 4), 2, axis=0))
+    cdr.text("")  # texture_resource, then texture
+    _header(cdr, 0, "")
+    cdr.text("")
+    cdr.octets(b"")
+    cdr.put("I", 0)  # uv_coordinates
+    cdr.text("")  # text
+    cdr.text("")  # mesh_resource, then mesh_file
+    cdr.text("")
+    cdr.octets(b"")
+    cdr.put("B", 0)  # mesh_use_embedded_materials
+
+
+LEVELS = {"info": 20, "warning": 30, "error": 40}
+"""Of rcl_interfaces/Log, by the severity of an event."""
+
+
+def log(stamp: int, severity: str, name: str, text: str) -> bytes:
+    """rcl_interfaces/Log of an event."""
+    cdr = Cdr()
+    _time(cdr, stamp)
+    cdr.put("B", LEVELS[severity])
+    for field in (name, text, "", ""):
+        cdr.text(field)
+    cdr.put("I", 0)
+    return bytes(cdr)
+
+
+def metrics(stamp: int, tracking: float, distance: FloatArray, angle: FloatArray) -> bytes:
+    """echelon_msgs/Metrics: the errors of a formation [m, m, rad]."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.put("d", tracking)
+    cdr.sequence("d", distance)
+    cdr.sequence("d", angle)
+    return bytes(cdr)
+
+
+def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float, gap: float) -> bytes:
+    """echelon_msgs/Link: what an agent knows of its link [s], the counts of its messages, and its solver."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.text(name)
+    cdr.put("d", age)
+    for count in counts:
+        cdr.put("Q", count)
+    cdr.put("d", solve)
+    cdr.put("d", gap)
+    return bytes(cdr)
+
+
+def ticks(first: int, robots: int, poses: FloatArray, inputs: FloatArray) -> bytes:
+    """echelon_msgs/Ticks: exact poses (T n, 3) from a tick on, and the inputs (T n, 2) that led there."""
+    cdr = Cdr()
+    cdr.put("Q", first)
+    cdr.put("I", robots)
+    cdr.sequence("d", poses)
+    cdr.sequence("d", inputs)
+    return bytes(cdr)
+
+
+def checks(first: int, robots: int, sums: Sequence[int]) -> bytes:
+    """echelon_msgs/Checks: a CRC-32 of each pose's bytes, tick by tick."""
+    cdr = Cdr()
+    cdr.put("Q", first)
+    cdr.put("I", robots)
+    cdr.sequence("I", sums)
+    return bytes(cdr)
+
+
+def order(number: int, tick: int, kind: str, value: str) -> bytes:
+    """echelon_msgs/Order; the value is JSON."""
+    cdr = Cdr()
+    cdr.put("Q", number)
+    cdr.put("Q", tick)
+    cdr.text(kind)
+    cdr.text(value)
+    return bytes(cdr)
+
+
+def wire(key: str, payload: bytes) -> bytes:
+    """echelon_msgs/Wire: a message as it went over the wire."""
+    cdr = Cdr()
+    cdr.text(key)
+    cdr.octets(payload)
+    return bytes(cdr)

@@ -1,0 +1,218 @@
+"""What becomes of a run's messages in its record, without a clock: stretches, plans and statuses in, messages out."""
+
+import itertools
+import json
+import zlib
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.metrics import pattern_errors, tracking_error
+from formation.scenario.scenario import Scenario
+from formation.unicycle import roll_out
+from network.messages import VERSION, Plan, Status
+from network.stretch import Stretch
+from network.values import LinkCounts
+from records import messages
+from records.file import RecordFile
+
+Detail = Literal["default", "full"]
+"""Whether a record also holds every pose, and every message as it went over the wire."""
+EXACT_SECONDS = 1.0
+"""Simulated time between exact poses in a record of the default detail [s]."""
+STATUS_SECONDS = 0.5
+"""Least simulated time between two statuses of a robot in a record, with its plan and belief [s]."""
+SLOWER = 2
+"""Errors and markers are written with every so many stretches: ten times a second, the poses twenty times."""
+BETWEEN_EPISODES = 10**9
+"""Time on the record's clock between two episodes [ns]."""
+GREY, RED = (0.6, 0.6, 0.6, 1.0), (0.84, 0.15, 0.16, 1.0)
+LARGE_ERROR = 0.05
+"""A pair's distance error at which its edge is red [m]."""
+WIDTH = 0.004
+"""Of lines in pictures [m]."""
+
+
+@dataclass(slots=True)
+class _Episode:
+    """The episode that is recorded now."""
+
+    number: int
+    robots: int
+    interval: float
+    """[s]."""
+    begins: int
+    """Where its t = 0 is on the record's clock [ns]."""
+    next: int
+    """The first tick that has not been written."""
+    orders: int = 0
+    """That have been written."""
+    event: int = 0
+    """Number of the newest event that has been written."""
+
+
+class Recorder:
+    """Writes what it is given of a run to a file. The record's clock is simulated time from the start's date on."""
+
+    def __init__(self, file: RecordFile, run: str, started: int, *, detail: Detail = "default") -> None:
+        """A record without an episode yet.
+
+        Args:
+            file: to write to.
+            run: name of the run.
+            started: now [ns since the epoch].
+            detail: what is recorded.
+        """
+        self._file, self._detail = file, detail
+        self._clock = started
+        """The latest time in the record."""
+        self._episode: _Episode | None = None
+        self._now = 0.0
+        """Simulated time of the newest poses [s]."""
+        self._shown: dict[int, float] = {}
+        """By robot, when a status was written last [s]."""
+        file.note("echelon", {"run": run, "version": str(VERSION), "detail": detail, "started": str(started)})
+
+    @property
+    def full(self) -> bool:
+        """Whether the record holds everything."""
+        return self._detail == "full"
+
+    def take(self, stretch: Stretch) -> None:
+        """Some ticks of the world. Those of an episode whose beginning was not heard are left out."""
+        episode = self._episode
+        if stretch.scenario and (episode is None or episode.number != stretch.episode):
+            episode = self._begin(stretch)
+        if episode is None or episode.number != stretch.episode:
+            return
+        n = episode.robots
+        poses, inputs = stretch.poses.reshape(-1, n, 3), stretch.inputs.reshape(-1, n, 2)
+        skipped = max(0, episode.next - stretch.first)
+        for order in stretch.orders:
+            if order.number >= episode.orders:
+                episode.orders = order.number + 1
+                data = messages.order(order.number, order.tick, order.kind, json.dumps(order.value, sort_keys=True))
+                self._write("/orders", "echelon_msgs/Order", self._time(episode, order.tick), data)
+        for event in stretch.events:
+            if event.number > episode.event:
+                episode.event = event.number
+                at = episode.begins + round(event.stamp * 1e9)
+                self._write("/log", "rcl_interfaces/Log", at, messages.log(at, event.severity, event.kind, event.text))
+        if skipped >= len(poses):
+            return
+        self._now = stretch.stamp
+        first = stretch.first + skipped
+        episode.next = stretch.first + len(poses)
+        self._exact(episode, first, poses[skipped:], inputs[skipped:])
+        self._show(episode, stretch, poses[-1], inputs[-1])
+
+    def _begin(self, stretch: Stretch) -> _Episode:
+        scenario = Scenario.model_validate_json(stretch.scenario)
+        begins = self._clock + (BETWEEN_EPISODES if self._episode is not None else 0)
+        episode = _Episode(stretch.episode, scenario.size, scenario.control_interval, begins, stretch.first)
+        self._episode, self._clock = episode, begins
+        self._shown.clear()
+        self._now = stretch.stamp
+        controller = scenario.controller.name
+        values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
+        self._file.note("episode", {**values, "scenario": stretch.scenario})
+        return episode
+
+    def _time(self, episode: _Episode, tick: int) -> int:
+        return episode.begins + round(tick * episode.interval * 1e9)
+
+    def _write(self, topic: str, kind: str, stamp: int, data: bytes) -> None:
+        self._clock = max(self._clock, stamp)
+        self._file.write(topic, kind, stamp, data)
+
+    def _exact(self, episode: _Episode, first: int, poses: FloatArray, inputs: FloatArray) -> None:
+        """What the episode can be compared with, to the last bit."""
+        n, at = episode.robots, self._time(episode, first)
+        rows = np.ascontiguousarray(poses, dtype="<f8").reshape(-1, 3)
+        sums = [zlib.crc32(row.tobytes()) for row in rows]
+        self._write("/checks", "echelon_msgs/Checks", at, messages.checks(first, n, sums))
+        if self.full:
+            self._write("/ticks", "echelon_msgs/Ticks", at, messages.ticks(first, n, poses, inputs))
+            return
+        every = max(1, round(EXACT_SECONDS / episode.interval))
+        for row in range(-first % every, len(poses), every):
+            data = messages.ticks(first + row, n, poses[row], inputs[row])
+            self._write("/ticks", "echelon_msgs/Ticks", self._time(episode, first + row), data)
+
+    def _show(self, episode: _Episode, stretch: Stretch, poses: FloatArray, inputs: FloatArray) -> None:
+        """What viewers show of the last tick."""
+        at = self._time(episode, episode.next - 1)
+        slots = stretch.slots
+        placed = [
+            *((f"robot{i}", pose) for i, pose in enumerate(poses, 1)),
+            *((f"slot{i}", slot) for i, slot in enumerate(slots, 1)),
+            ("centre", stretch.centre),
+        ]
+        self._write("/tf", "tf2_msgs/TFMessage", at, messages.transforms(at, placed))
+        for i, (pose, velocity) in enumerate(zip(poses, inputs, strict=True), 1):
+            robot = f"robot{i}"
+            self._write(f"/{robot}/odom", "nav_msgs/Odometry", at, messages.odometry(at, robot, pose, velocity))
+            commanded = messages.twist_stamped(at, robot, velocity)
+            self._write(f"/{robot}/cmd_vel", "geometry_msgs/TwistStamped", at, commanded)
+        if stretch.seq % SLOWER:
+            return
+        distance, angle = pattern_errors(poses, slots)
+        tracking = float(tracking_error(poses, stretch.centre[:2]))
+        self._write("/metrics", "echelon_msgs/Metrics", at, messages.metrics(at, tracking, distance, angle))
+        pictures = [_edges(poses, distance), _ways_to(slots, poses)]
+        self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, pictures))
+
+    def wants_status(self, robot: int) -> bool:
+        """Whether a status of a robot that comes in now would be written; decoding one costs more than writing it."""
+        return self._episode is not None and self._now - self._shown.get(robot, -np.inf) >= STATUS_SECONDS - 1e-9
+
+    def take_status(self, status: Status) -> None:
+        """An agent's status: its plan, what it believes of the robot upstream of it, and its link."""
+        episode, number = self._episode, status.sender
+        if episode is None or status.episode != episode.number or number > episode.robots:
+            return
+        self._shown[number] = self._now
+        robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
+        if status.plan is not None:
+            self._draw(episode, f"{robot}/plan", status.plan, at)
+        if status.held is not None:
+            self._draw(episode, f"{robot}/belief", status.held, at)
+        data = messages.link(at, str(status.link), status.age, _counts(status.counts), status.solve, status.gap)
+        self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
+
+    def _draw(self, episode: _Episode, topic: str, plan: Plan, at: int) -> None:
+        poses = roll_out(plan.pose[None], plan.inputs[None], plan.interval)[0]
+        begins = episode.begins + round(plan.begins * 1e9)
+        step = round(plan.interval * 1e9)
+        stamps = [begins + i * step for i in range(len(poses))]
+        self._write(topic, "nav_msgs/Path", at, messages.path(at, poses, stamps))
+
+    def take_wire(self, key: str, payload: bytes) -> None:
+        """A message as it went over the wire, at the time of the newest poses; `key` is below the run's name."""
+        if self.full and self._episode is not None:
+            at = self._episode.begins + round(self._now * 1e9)
+            self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
+
+
+def _edges(poses: FloatArray, errors: FloatArray) -> messages.Lines:
+    """From every robot to the one upstream of it, the redder the larger the error of their distance."""
+    ends = np.stack([poses[:, :2], np.roll(poses[:, :2], 1, axis=0)], axis=1).reshape(-1, 2)
+    shares = np.minimum(np.abs(errors) / LARGE_ERROR, 1.0)
+    return messages.Lines("edges", ends, [_mixed(float(share)) for share in shares], WIDTH)
+
+
+def _ways_to(slots: FloatArray, poses: FloatArray) -> messages.Lines:
+    """From every robot to its slot."""
+    ends = np.stack([poses[:, :2], slots[:, :2]], axis=1).reshape(-1, 2)
+    return messages.Lines("slots", ends, [GREY] * len(poses), 0.5 * WIDTH)
+
+
+def _mixed(share: float) -> messages.Colour:
+    red, green, blue, alpha = (a + share * (b - a) for a, b in zip(GREY, RED, strict=True))
+    return red, green, blue, alpha
+
+
+def _counts(counts: LinkCounts) -> itertools.chain[int]:
+    return itertools.chain((counts.sent, counts.delivered, counts.lost), (counts.late, counts.corrupt))

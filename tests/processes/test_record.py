@@ -1,0 +1,78 @@
+"""Records of live runs: whole whatever is killed, and equal to one process to the last bit."""
+
+import os
+import random
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from records.record import load
+from records.repair import repair
+from tests.processes.live import Up, echelon, processes, wait_for
+
+pytestmark = [pytest.mark.processes]
+MOMENTS = int(os.environ.get("ECHELON_MOMENTS", "1"))
+"""Of each kind at which processes are killed; tried with 10 too."""
+
+
+@pytest.mark.usefixtures("runs")
+def test_a_record_of_processes_is_the_run_of_one_process(tmp_path: Path) -> None:
+    file = tmp_path / "run.mcap"
+    setting = "faults=[{at=1, until=2, link='1->2', cut=true}, {link='2->3', loss=0.3}]"
+    echelon("run", "triangle-circle", "--set", "duration=3", "--set", setting, f"--record={file}", "--json")
+    read = load(file)
+    assert read.sound
+    assert read.episodes[0].ticks == list(range(301))
+    assert "every bit is equal" in echelon("verify", str(file)).stdout
+
+
+def victims(run: Up, who: str) -> list[int]:
+    if who == "everything":
+        return [process.pid for process in processes(run.folder)]
+    return [run.process.pid] if who == "launcher" else [run.pid(who)]
+
+
+@pytest.mark.parametrize("who", ["world", "recorder", "launcher", "everything"] * MOMENTS)
+def test_a_record_survives_the_death_of_anything(up: Callable[..., Up], tmp_path: Path, who: Any) -> None:
+    file, new = tmp_path / "run.mcap", tmp_path / "new.mcap"
+    run = up("--no-dashboard", f"--record={file}", "--set", "duration=60")
+    run.running()
+    echelon("fault", "set", "--link", "1->2", "--latency", "100ms", "--for", "1s")
+    time.sleep(1.0 + random.random())
+    before = run.status()
+    for pid in victims(run, who):
+        psutil.Process(pid).send_signal(signal.SIGKILL)
+    if who == "world":  # which begins anew
+        wait_for(lambda: (s := run.status()) and s["episode"] != before["episode"] and s["stamp"] > 0.5)
+    run.end()
+    wait_for(lambda: not processes(run.folder))
+    done = repair(file, new)
+    assert done.messages > 100
+    (episode, *others) = load(new).episodes
+    assert episode.number == before["episode"]
+    assert episode.ticks[-1] * 0.01 > before["stamp"] - 1.0
+    assert len(others) == (who == "world")
+    verdict = echelon("verify", str(new)).stdout
+    assert verdict.startswith("episode 1:")
+    assert "differs" not in verdict
+    assert [order.kind for order in episode.orders].count("faults") >= 2
+
+
+def test_a_recorder_that_died_goes_on_in_another_file(up: Callable[..., Up], tmp_path: Path) -> None:
+    run = up("--no-dashboard", f"--record={tmp_path / 'run.mcap'}")
+    run.running()
+    os.kill(run.pid("recorder"), signal.SIGKILL)
+    second = tmp_path / "run-2.mcap"
+    wait_for(second.exists)
+    wait_for(lambda: "is recorded" in run.text().split("no longer")[-1])
+    time.sleep(1.0)
+    run.end()
+    read = load(second)
+    assert read.sound
+    assert read.episodes[0].ticks[0] > 0
+    assert "every bit is equal" in echelon("verify", str(second)).stdout

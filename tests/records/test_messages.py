@@ -1,0 +1,41 @@
+"""Laws of the encoder: its bytes are those of another implementation, and mean what was put in."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from records.definitions import full_name, schema
+from tests.exceptions import needs
+from tests.records.reflection import decode
+from tests.records.samples import ENCODED, VALUES
+
+GOLDENS: dict[str, str] = json.loads((Path(__file__).parent / "goldens.json").read_text())
+
+
+def test_every_sample_has_a_golden() -> None:
+    assert ENCODED.keys() == VALUES.keys() == GOLDENS.keys()
+
+
+@pytest.mark.parametrize("name", ENCODED)
+def test_the_bytes_are_those_of_another_implementation(name: Any) -> None:
+    assert ENCODED[name][1].hex() == GOLDENS[name]
+
+
+@pytest.mark.parametrize("name", ENCODED)
+def test_the_schema_tells_what_the_bytes_mean(name: Any) -> None:
+    kind, data = ENCODED[name]
+    assert decode(schema(kind), full_name(kind), data) == VALUES[name]
+
+
+def test_the_goldens_are_what_the_other_implementation_gives_today() -> None:
+    needs("rosbags")
+    from rosbags.typesys import Stores, get_typestore
+
+    from tests.records.make_goldens import encoded
+
+    for store in (Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY, Stores.ROS2_KILTED):
+        types = get_typestore(store)
+        for name, fields in VALUES.items():
+            assert encoded(types, ENCODED[name][0], fields).hex() == GOLDENS[name]

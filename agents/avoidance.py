@@ -67,7 +67,7 @@ class Avoidance:
                 dt,
             ]
         )
-        self._sight = (np.zeros((PAST, 3)), np.zeros((n, 8)), np.zeros(4))
+        self._sight = (np.zeros((PAST, 3)), np.zeros((n, 8)), np.zeros(6))
         """Own poses, bodies and memory (agents/kernels/avoidance.py)."""
         self._mine = slice(n * self._row, n * robot)
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))

@@ -23,9 +23,10 @@ PAST = 128
 X, Y, VX, VY, EX, EY, SEEN, COUNT = range(8)
 """Columns of a body: where it was last seen and its velocity, in a frame that odometry carries [m, m/s]; means of the
 normalised innovations; the tick at which it was seen; and how often since it was lost, 0: not in sight."""
-NEWEST, BLOCKED, SIDE, SPEED = range(4)
+NEWEST, BLOCKED, SIDE, SPEED, FREE, WHO = range(6)
 """Of the memory: the newest tick; for how long the robot has been kept off [s]; 1 if it goes round a body on the right,
-seen from the robot, -1 on the left, 0 if it does not; own v [m/s]."""
+seen from the robot, -1 on the left, 0 if it does not; own v [m/s]; for how long no command had to be changed [s]; the row
+of the body that was kept off last."""
 V_MAX, OMEGA_MAX, DV, DOMEGA, STEER, ROUND, KEPT, ALPHA, BETA, SIGMA, DT = range(11)
 """Of the law: limits of |v| and |omega|, largest changes of wheel speeds in a tick, turn rate and speed on the way
 round a body, ticks after which a body that is not seen is forgotten, gains and standard deviation of sightings [m], the
@@ -38,7 +39,9 @@ BLEND, SURPRISE, RESTART, BEGIN = 0.25, 1.9, 8, 25
 """Weight of an innovation in its mean, the mean that is no chance (5 sigma), sightings that are not forgotten then, and
 for how many it counts that a body that comes into sight moves as the robot does."""
 NOT_YET, PATIENCE = 1.5, 2.0
-"""A robot that is kept off begins to go round after the one, and does nothing else from the other on [s]."""
+"""For how long a robot is kept off before it goes round, and for how long at most that counts [s]."""
+CLEAR = 0.3
+"""It goes on round the body until its commands have been free for so long [s]."""
 CUT = 0.3
 """Share of a command that has to be cut for that."""
 RESPONSE = 0.1
@@ -237,20 +240,27 @@ def keep_off(
     # The command that brings the wheels to a speed soon, however they lag.
     low, high = rolling + (low - rolling) / share, rolling + (high - rolling) / share
     wish = command[0]
-    if low <= wish <= high:
+    free = low <= wish <= high
+    if free:
         memory[BLOCKED] = max(memory[BLOCKED] - 0.5 * dt, 0.0)
+        memory[FREE] += dt
         if memory[BLOCKED] == 0.0:
             memory[SIDE] = 0.0
-        return -1
-    who = above if wish > high else below
+        if memory[SIDE] == 0.0 or memory[FREE] > CLEAR:
+            return -1
+        who = int(memory[WHO])
+    else:
+        who = above if wish > high else below
+        memory[FREE] = 0.0
     if low > high:
         low = high = 0.5 * (low + high)
         who = above if wish >= 0.0 else below
+    memory[WHO] = who
     new = between(wish, low, high)
-    if abs(wish) > abs(new) and abs(wish) > 1e-3:
-        if (wish - new) / wish > CUT:
+    if free or (abs(wish) > abs(new) and abs(wish) > 1e-3):
+        if not free and (wish - new) / wish > CUT:
             memory[BLOCKED] = min(memory[BLOCKED] + dt, PATIENCE)
-        if memory[BLOCKED] > NOT_YET:
+        if memory[BLOCKED] > NOT_YET or memory[SIDE] != 0.0:
             body = bodies[who]
             d, nx, ny = _toward(bodies, who, k + delay, dt, x, y)
             if memory[SIDE] == 0.0:
@@ -260,10 +270,8 @@ def keep_off(
             wx = body[VX] + law[ROUND] * memory[SIDE] * ny + back * nx
             wy = body[VY] - law[ROUND] * memory[SIDE] * nx + back * ny
             error = wrap(math.atan2(wy, wx) - theta)
-            part = between((memory[BLOCKED] - NOT_YET) / (PATIENCE - NOT_YET), 0.0, 1.0)
-            drive = math.hypot(wx, wy) * max(math.cos(error), 0.0)
-            new += part * (between(drive, low, high) - new)
-            command[1] += part * (between(TURN * error, -law[STEER], law[STEER]) - command[1])
+            new = between(math.hypot(wx, wy) * max(math.cos(error), 0.0), low, high)
+            command[1] = between(TURN * error, -law[STEER], law[STEER])
     command[0] = between(new, -law[V_MAX], law[V_MAX])
     command[2] = rolling + between(rate * (command[0] - rolling), -law[DV], law[DV])
     return who

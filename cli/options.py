@@ -21,6 +21,8 @@ from runtime.run_registry import find
 from runtime.user_code import named
 
 DEFAULT_SCENARIO = "triangle-circle"
+CONNECT_SECONDS = 2.0
+"""Longest wait for the router of a run [s]: it is there, or about to come back after it was killed."""
 
 
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
@@ -160,9 +162,9 @@ def add_run(parser: argparse.ArgumentParser) -> None:
 def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
     if options.connect is not None:
-        return ZenohBus(options.connect, options.run or "echelon")
+        return ZenohBus(options.connect, options.run or "echelon", patience=CONNECT_SECONDS)
     run = find(options.run)
-    return ZenohBus(run.endpoint, run.name)
+    return ZenohBus(run.endpoint, run.name, patience=CONNECT_SECONDS)
 
 
 def tell(line: str) -> None:

@@ -5,6 +5,8 @@ import errno
 import socket
 from pathlib import Path
 
+from setproctitle import setproctitle
+
 from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
@@ -45,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
     token = access.given_token(options.token)
     if token is None and options.host not in access.LOOPBACK:
         token = access.new_token()
+    if options.token is not None:
+        setproctitle("echelon up")  # everybody on this machine can read command lines
     warn(scenario)
     name = options.run or free_name(scenario.name)
     record = record_file(options, scenario.name)

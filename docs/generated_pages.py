@@ -1,29 +1,25 @@
 """Pages of the manual that follow from the program, made when the manual is built: a hook of mkdocs."""
 
 import argparse
-import ast
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from cli.main import COMMANDS, whole_parser
+from docs.markdown import code, table
+from docs.messages_page import messages
 from experiments.study import study as studies
+from experiments.trials.measures import MEASURES
 from formation.bodies.presets import PRESETS as BODIES
 from formation.faults import PRESETS as FAULTS
 from formation.scenario.files import load, shipped
-from formation.scenario.json_schema import json_schema
+from formation.scenario.json_schema import json_schema, schema_of
 from formation.scenario.keys import TAG, Key, keys
-from network.control import OPERATIONS
-from network.reference import table as topics_table
-from network.topics import MESSAGES
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig
     from mkdocs.structure.files import Files
-
-NETWORK = Path(__file__).parents[1] / "network"
 
 KEYS_INTRO = """\
 # Scenario keys
@@ -36,13 +32,12 @@ Every key of a scenario file, made from the program's own models. `echelon scena
 ## Of the whole scenario
 
 """
-MESSAGES_INTRO = """\
-# Messages
+STUDY_INTRO = """\
+# Study keys
 
-What the processes of a run send each other over Zenoh, made from the table of topics and the types of the messages.
-A payload is the CRC-32 of what follows (4 bytes, little-endian) and a MessagePack map with `type`, `version` and
-the fields below; arrays are raw little-endian float64. Any Zenoh client can take part: bytes that are not a valid
-message are counted and dropped.
+Every key of a study file, made from the program's own models ([what a study is](studies.md)).
+
+## Of the whole study
 
 """
 FAULTS_INTRO = """\
@@ -74,21 +69,6 @@ def on_files(files: "Files", config: "MkDocsConfig") -> "Files":
     return files
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    lines = [" | ".join(_cell(cell) for cell in row) for row in (head, ["---"] * len(head), *rows)]
-    return "\n".join(f"| {line} |" for line in lines) + "\n"
-
-
-def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;").replace("[[", "&#91;[")
-
-
-def code(text: str) -> str:
-    """As code; nothing for nothing."""
-    return f"`{text}`" if text else ""
-
-
 # ---------------------------------------------------------------- scenario keys
 
 
@@ -102,7 +82,7 @@ def scenario_keys() -> str:
     for section in (key for key in found if "." not in key.path and key.type.startswith("table")):
         name = f"[[{section.path}]]" if section.type == "tables" else f"[{section.path}]"
         text += f"\n## {section.path}\n\n`{name}`: {section.text}\n\n" + _kinds(section.path, schema)
-        text += _keys_table(key for key in found if re.match(rf"{section.path}(\[\])?\.", key.path))
+        text += _keys_table(_inside(section.path, found))
     return text
 
 
@@ -134,76 +114,18 @@ def _kinds(name: str, schema: Mapping[str, Any]) -> str:
     return table(("kind" if name == "path" else "name", "what it is"), rows) + "\n"
 
 
-# ---------------------------------------------------------------- messages
+def study_keys() -> str:
+    """Every key of a study file, and every measure."""
+    found = keys(schema_of(studies.Study))
+    text = STUDY_INTRO + _keys_table(key for key in found if "." not in key.path)
+    for section in (key for key in found if "." not in key.path and _inside(key.path, found)):
+        text += f"\n## {section.path}\n\n{section.text}\n\n" + _keys_table(_inside(section.path, found))
+    rows = [(code(name), re.sub(r"[$\\]", "", measure.label), measure.unit) for name, measure in MEASURES.items()]
+    return text + "\n## Measures\n\n" + table(("measure", "what it is", "unit"), rows)
 
 
-def messages() -> str:
-    """The topics, and each message with its fields."""
-    types = _aliases(NETWORK / "fields.py")
-    stretch, values = _classes(NETWORK / "stretch.py"), _classes(NETWORK / "values.py")
-    classes = _classes(NETWORK / "messages.py") | stretch | values
-    text = MESSAGES_INTRO + topics_table()
-    for name, kind in MESSAGES.items():
-        text += f"\n## {kind.__name__}\n\n`{name}`. {_first(classes[kind.__name__][0])}\n\n"
-        text += _fields(classes[kind.__name__][1])
-    text += "\n## What messages are made of\n\n" + table(
-        ("type", "what it is"), [(code(n), t) for n, t in types.items()]
-    )
-    for name in ("Event", "LinkCounts", "Order"):
-        text += f"\n### {name}\n\n{_first(classes[name][0])}\n\n" + _fields(classes[name][1])
-    text += "\n## Operations\n\nA `Request` names one of these, with its arguments.\n\n"
-    return text + table(("operation", "what it does", "arguments"), [_operation(name) for name in OPERATIONS])
-
-
-def _operation(name: str) -> tuple[str, str, str]:
-    model = OPERATIONS[name]
-    arguments = [
-        f"`{key}`" + (f": {field.description}" if field.description else "")
-        for key, field in model.model_fields.items()
-    ]
-    return code(name), _first(model.__doc__ or ""), "; ".join(arguments)
-
-
-def _fields(fields: Mapping[str, tuple[str, str]]) -> str:
-    return table(
-        ("field", "type", "what it is"), [(code(name), code(kind), text) for name, (kind, text) in fields.items()]
-    )
-
-
-def _first(docstring: str) -> str:
-    """The first paragraph."""
-    return " ".join(docstring.partition("\n\n")[0].split())
-
-
-def _docstring_after(body: Sequence[ast.stmt], index: int) -> str:
-    after = body[index + 1] if index + 1 < len(body) else None
-    if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) and isinstance(after.value.value, str):
-        return " ".join(after.value.value.split())
-    return ""
-
-
-def _classes(file: Path) -> dict[str, tuple[str, dict[str, tuple[str, str]]]]:
-    """Of each class its docstring, and of each field type and docstring."""
-    found = {}
-    for node in ast.parse(file.read_text("utf-8")).body:
-        if isinstance(node, ast.ClassDef):
-            fields = {
-                item.target.id: (ast.unparse(item.annotation), _docstring_after(node.body, index))
-                for index, item in enumerate(node.body)
-                if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name)
-            }
-            found[node.name] = (ast.get_docstring(node) or "", fields)
-    return found
-
-
-def _aliases(file: Path) -> dict[str, str]:
-    """Names of types, each with its docstring or else its definition."""
-    body = ast.parse(file.read_text("utf-8")).body
-    return {
-        item.targets[0].id: _docstring_after(body, index) or code(ast.unparse(item.value))
-        for index, item in enumerate(body)
-        if isinstance(item, ast.Assign) and isinstance(item.targets[0], ast.Name) and item.targets[0].id != "STRICT"
-    }
+def _inside(section: str, found: Iterable[Key]) -> list[Key]:
+    return [key for key in found if re.match(rf"{section}(\[\])?\.", key.path)]
 
 
 # ---------------------------------------------------------------- faults, bodies, what is shipped, commands
@@ -280,6 +202,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "scenario-keys.md": scenario_keys,
     "messages.md": messages,
     "faults-and-bodies.md": faults_and_bodies,
+    "study-keys.md": study_keys,
     "shipped.md": shipped_files,
     "commands.md": commands,
 }

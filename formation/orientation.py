@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.errors import ScenarioError
 from formation.formation_spec import Formation
 from formation.offsets import PEAK, smooth
 from formation.paths.path import Path, heading
@@ -20,6 +21,8 @@ SMOOTHING = 1.0
 """Length of the moving average that makes a limited orientation's rate continuous [s]."""
 STRETCH = 2000
 """Steps that are integrated at a time."""
+LONGEST = 20_000.0
+"""Of an average [s]: twice the longest episode. It is kept in steps of GRID."""
 TURNING = 4.0
 """Where a path turns too tightly, the formation's heading is the mean along so many times its reach: turning back, a
 slot then moves within the formation at most at pi / 4 of the path's speed."""
@@ -212,4 +215,10 @@ def _long_enough(path: Path, reach: float) -> float:
     """Time in which the formation turns round and no slot has to go backwards [s]."""
     t: FloatArray = GRID * np.arange(LOOKED_AT + 1, dtype=float)
     way = np.diff(path.position(t), axis=0)
-    return TURNING * reach / max(float(np.hypot(way[:, 0], way[:, 1]).mean()) / GRID, SLOWEST)
+    found = TURNING * reach / max(float(np.hypot(way[:, 0], way[:, 1]).mean()) / GRID, SLOWEST)
+    if found > LONGEST:
+        raise ScenarioError(
+            f"formation: expected robots so near that it can turn round within {LONGEST:g} s at the speed "
+            f"of its path; got {found:.3g} s"
+        )
+    return found

@@ -39,9 +39,11 @@ class Written:
         return {"anyOf": [handler(core), {"type": "string", "pattern": self.pattern}], UNIT: self.unit}
 
 
-Positive = Annotated[FiniteFloat, Field(gt=0.0)]
-NonNegative = Annotated[FiniteFloat, Field(ge=0.0)]
+LARGEST = 1e9
+"""Of any size, time or weight: beyond it numbers only overflow."""
+Positive = Annotated[FiniteFloat, Field(gt=0.0, le=LARGEST)]
+NonNegative = Annotated[FiniteFloat, Field(ge=0.0, le=LARGEST)]
 Probability = Annotated[FiniteFloat, BeforeValidator(share), Field(ge=0.0, le=1.0), Written("share", SHARE)]
 """A share in 0..1, or text such as "30%"."""
-Duration = Annotated[FiniteFloat, BeforeValidator(seconds), Field(ge=0.0), Written("s", SECONDS)]
+Duration = Annotated[FiniteFloat, BeforeValidator(seconds), Field(ge=0.0, le=LARGEST), Written("s", SECONDS)]
 """Seconds, or text such as "300ms"."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from pydantic import ConfigDict, Field, PlainValidator
+from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from formation.arrays import FloatArray
 from formation.errors import FaultError
@@ -13,6 +13,17 @@ from formation.schema import MAX_SCENARIO
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """Of every message: no other fields, no infinities."""
+
+
+LARGEST = 1e16
+"""Of any number in a message: whatever it counts or measures, one can compute with its square."""
+_CONTROL = dict.fromkeys([*range(0x09), *range(0x0B, 0x20), *range(0x7F, 0xA0), *range(0x202A, 0x202F)], "\ufffd")
+"""Characters that a terminal obeys or that turn the direction of a text, but for the end of a line and a tab."""
+
+
+def harmless(text: str) -> str:
+    """The text as it may be printed anywhere."""
+    return text if text.isprintable() else text.translate(_CONTROL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +44,8 @@ class ArrayOf:
         if not isinstance(data, bytes) or len(data) % (8 * columns) or (self.columns and not data and not self.empty):
             raise ValueError(f"expected bytes of {columns} float64 columns")
         array = np.frombuffer(data, dtype="<f8")
-        if not np.isfinite(array).all():
-            raise ValueError("expected finite numbers")
+        if not (np.abs(array) <= LARGEST).all():  # nor is what is not a number
+            raise ValueError(f"expected numbers up to {LARGEST:g}")
         if self.rows is not None and array.size != self.rows * columns:
             raise ValueError(f"expected {self.rows * columns} numbers; got {array.size}")
         if self.most is not None and np.any(np.abs(array.reshape(-1, columns)) > self.most):
@@ -92,9 +103,9 @@ Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
 Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
-Real = Annotated[float, Field(strict=True)]
-Positive = Annotated[float, Field(strict=True, gt=0.0)]
-NonNegative = Annotated[float, Field(strict=True, ge=0.0)]
-Text = Annotated[str, Field(strict=True, max_length=65536)]
+Real = Annotated[float, Field(strict=True, ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(strict=True, gt=0.0, le=LARGEST)]
+NonNegative = Annotated[float, Field(strict=True, ge=0.0, le=LARGEST)]
+Text = Annotated[str, Field(strict=True, max_length=65536), AfterValidator(harmless)]
 LongText = Annotated[str, Field(strict=True, max_length=MAX_SCENARIO)]
 Flag = Annotated[bool, Field(strict=True)]

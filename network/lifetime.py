@@ -8,6 +8,8 @@ from collections.abc import Callable
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 
+TERMINATED = 143
+"""Exit code, as shells have it, of a process that SIGTERM ended before its time."""
 GRACE_SECONDS = 3.0
 """Longest time from the launcher's exit to this process's [s]."""
 

@@ -17,19 +17,20 @@ import zenoh
 from formation.errors import EchelonError
 from network import topics
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
-from network.codec import encode
+from network.codec import MAX_BYTES, encode
 from network.messages import Message, Request
 
 LEASE_MS = 1000
 """Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
-CONNECT_MS = 10_000
+CONNECT_SECONDS = 10.0
+"""Longest wait for a router that is just starting, or coming back [s]."""
 CLOSE_SECONDS = 2.0
 """Time limit for closing a session [s]; on a dead link it would take ten seconds."""
 REQUEST_SECONDS = 1.0
 """A request that is not answered for this long never is [s]."""
 
 
-def config(*, endpoint: str, router: bool) -> zenoh.Config:
+def config(*, endpoint: str, router: bool, patience: float = CONNECT_SECONDS) -> zenoh.Config:
     """Configuration of a session with the router only: no scouting, no other listeners, no shared memory."""
     settings: dict[str, Any] = {
         "mode": "router" if router else "client",
@@ -42,7 +43,7 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
         settings["listen"] = {"endpoints": []}
         settings["connect"] = {
             "endpoints": [endpoint],
-            "timeout_ms": CONNECT_MS,
+            "timeout_ms": round(patience * 1e3),
             "exit_on_failure": True,
             "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
         }
@@ -52,8 +53,8 @@ def config(*, endpoint: str, router: bool) -> zenoh.Config:
 class ZenohBus(Bus):
     """A client of the run's router."""
 
-    def __init__(self, endpoint: str, run: str) -> None:
-        """Connect; waits some seconds for the router.
+    def __init__(self, endpoint: str, run: str, *, patience: float = CONNECT_SECONDS) -> None:
+        """Connect; waits at most so long for the router [s].
 
         Raises:
             EchelonError: the router cannot be reached.
@@ -64,7 +65,7 @@ class ZenohBus(Bus):
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._declared: list[object] = []
         try:
-            self._session = zenoh.open(config(endpoint=endpoint, router=False))
+            self._session = zenoh.open(config(endpoint=endpoint, router=False, patience=patience))
         except zenoh.ZError:
             raise EchelonError(f"expected a router at {endpoint}; nobody answers there") from None
 
@@ -76,11 +77,11 @@ class ZenohBus(Bus):
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
-                self.inbox.put(Sample(str(sample.key_expr), sample.payload.to_bytes()))
+                self.inbox.put(Sample(str(sample.key_expr), _bytes(sample.payload)))
         else:
 
             def take(sample: zenoh.Sample) -> None:
-                self.inbox.put(Sample(key, sample.payload.to_bytes()))
+                self.inbox.put(Sample(key, _bytes(sample.payload)))
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 
@@ -107,14 +108,14 @@ class ZenohBus(Bus):
                 with query:
                     query.reply(key, payload)
 
-            self.inbox.put(Query(query.payload.to_bytes() if query.payload else b"", answer))
+            self.inbox.put(Query(_bytes(query.payload) if query.payload else b"", answer))
 
         self._declared.append(self._session.declare_queryable(key, zenoh.handlers.Callback(take, indirect=False)))
 
     def request(self, message: Request) -> None:
         def take(reply: zenoh.Reply) -> None:
             if reply.ok:
-                self.inbox.put(Response(message, bytes(reply.ok.payload.to_bytes())))
+                self.inbox.put(Response(message, _bytes(reply.ok.payload)))
 
         self._session.get(
             topics.control(self.run),
@@ -126,7 +127,7 @@ class ZenohBus(Bus):
     def fetch(self, message: Request, timeout: float) -> bytes | None:
         for reply in self._session.get(topics.control(self.run), payload=encode(message), timeout=timeout):
             if reply.ok:
-                return bytes(reply.ok.payload.to_bytes())
+                return _bytes(reply.ok.payload)
         return None
 
     def appear(self, role: str, number: int = 0) -> None:
@@ -163,7 +164,7 @@ class KeptSamples:
     def take(self) -> Iterator[Sample]:
         """Everything that has come in since the last look, oldest first."""
         while (sample := self._subscriber.try_recv()) is not None:
-            yield Sample(str(sample.key_expr), sample.payload.to_bytes())
+            yield Sample(str(sample.key_expr), _bytes(sample.payload))
 
 
 class Router:
@@ -184,6 +185,11 @@ class Router:
     def close(self) -> None:
         """Stop listening."""
         _close(self._session)
+
+
+def _bytes(payload: zenoh.ZBytes) -> bytes:
+    """What came in; nothing, which is no message, of what is too large for one: it is not even copied."""
+    return bytes(payload.to_bytes()) if len(payload) <= MAX_BYTES else b""
 
 
 def _close(session: zenoh.Session) -> None:

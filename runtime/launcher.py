@@ -140,9 +140,12 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            self._supervisor.keep_down(self._state.dismissed)
+            robots = set(range(1, min(len(self._state.poses), MAX_ROBOTS) + 1))
+            self._supervisor.keep_down(self._state.dismissed, "killed, as asked")
+            surplus = self._supervisor.numbers - robots
+            self._supervisor.keep_down(surplus, f"ended: the scenario has {len(robots)} robots")
             absent = set(self._state.waiting_for) - set(self._state.dismissed)
-            missing = absent & set(range(1, MAX_ROBOTS + 1)) - self._supervisor.numbers
+            missing = absent & robots - self._supervisor.numbers
             self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
         return True
 

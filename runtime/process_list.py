@@ -80,7 +80,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
     if plan.dashboard is not None:
         host, port = plan.dashboard
-        where = ("--host", host, "--port", str(port), *(("--token", plan.token) if plan.token else ()))
+        where = ("--host", host, "--port", str(port), *((f"--token={plan.token}",) if plan.token else ()))
         offered = (("--started", plan.started), ("--scenarios", plan.scenarios))
         more = [word for flag, value in offered if value for word in (flag, value)]
         found.append(Program("dashboard", 0, "dashboard", (*common, *where, *more)))

@@ -1,13 +1,16 @@
 """The live runs of this machine: a private folder each, with the router's socket and the launcher's entry."""
 
 import contextlib
+import fcntl
 import json
 import os
 import tempfile
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import monotonic, sleep
 from typing import IO, Self
+from urllib.parse import urlsplit
 
 from formation.errors import EchelonError, unknown
 from network.run_folder import VARIABLE, lock, remove
@@ -57,6 +60,17 @@ def check_path(path: Path) -> None:
         raise EchelonError(f"expected a shorter path for sockets than {path}; set {VARIABLE} to one")
 
 
+@contextlib.contextmanager
+def _one_at_a_time(base: Path) -> Iterator[None]:
+    """No other process of this user is in here meanwhile."""
+    held = os.open(base, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(held)
+
+
 class Claim:
     """A claimed name of a run; while it is held, no other process can claim it. Use as a context manager."""
 
@@ -73,12 +87,21 @@ class Claim:
         self.endpoint = f"unixsock-stream/{self.path / 'router.sock'}"
         self._lock = self._take()
         try:
-            (self.path / RECORD).write_text(json.dumps(asdict(Run(name, os.getpid(), self.endpoint, page))))
+            with _one_at_a_time(self.path.parent):
+                self._write(Run(name, os.getpid(), self.endpoint, page))
         except BaseException as error:
             remove(self.path, self._lock)
             if isinstance(error, OSError):
                 raise EchelonError(f"expected a place for runs; {self.path} cannot be used: {error.strerror}") from None
             raise
+
+    def _write(self, run: Run) -> None:
+        """Enter the run, unless another one has its page's port: a page takes some seconds to listen there."""
+        port = urlsplit(run.page).port
+        for other in live():
+            if port is not None and urlsplit(other.page).port == port:
+                raise EchelonError(f"--port: expected a free port; got {port}, which run {other.name} has")
+        (self.path / RECORD).write_text(json.dumps(asdict(run)))
 
     def _take(self) -> IO[bytes]:
         """The lock; a process that checks whether the run is live may hold it for a moment."""

@@ -13,6 +13,7 @@ from time import monotonic
 from setproctitle import setproctitle
 
 from formation.errors import EchelonError
+from network.lifetime import TERMINATED
 from runtime import fork_server
 from runtime.process_list import Program
 
@@ -56,8 +57,8 @@ class Supervisor:
                 process.start()
                 self._running[program] = process
 
-    def keep_down(self, numbers: Iterable[int]) -> None:
-        """Kill the agents of these robots, and do not bring them back; `start` does."""
+    def keep_down(self, numbers: Iterable[int], why: str) -> None:
+        """Kill the agents of these robots, and do not bring them back; `start` does. The user reads why."""
         down = set(numbers)
         for program in [program for program in self._again if program.role == "agent" and program.number in down]:
             del self._again[program]
@@ -65,7 +66,7 @@ class Supervisor:
             process = self._running.pop(program)
             process.kill()
             process.join(STOP_SECONDS)
-            self._tell(f"{program.name} killed, as asked")
+            self._tell(f"{program.name} {why}")
 
     def watch(self, seconds: float) -> int | None:
         """Supervise the processes for some time. Returns the world's exit code once it has ended by itself.
@@ -85,7 +86,7 @@ class Supervisor:
             for program, process in list(self._running.items()):
                 if process.exitcode is not None:
                     del self._running[program]
-                    if program.role == "world" and process.exitcode >= 0:
+                    if program.role == "world" and process.exitcode >= 0 and process.exitcode != TERMINATED:
                         return process.exitcode
                     self._bury(program, process.exitcode)
             if monotonic() >= until:

@@ -18,7 +18,7 @@ from pydantic_core import PydanticUndefined
 
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
-from network.fields import ArrayOf
+from network.fields import LARGEST, ArrayOf, harmless
 
 SIZE = 3
 """Most entries of a drawn list or map, most rows of a drawn array, where the annotation allows them."""
@@ -43,11 +43,12 @@ BY_TYPE: dict[object, st.SearchStrategy[Any]] = {
 
 @st.composite
 def arrays(draw: st.DrawFn, columns: int, least: int = 1, most: int = SIZE) -> FloatArray:
-    """Arrays (rows, columns) of any finite numbers; drawn by numpy, because a list of drawn floats is slow."""
+    """Arrays (rows, columns) of any numbers that a message may carry; by numpy, as a list of drawn floats is slow."""
     rows = draw(st.integers(least, most))
     generator = np.random.default_rng(draw(st.integers(0, 2**32)))
     usual = generator.standard_normal((rows, columns)) * 10.0 ** generator.integers(-300, 300, (rows, columns))
-    return np.where(generator.random((rows, columns)) < 0.2, generator.choice(EXTREMES, (rows, columns)), usual)
+    found = np.where(generator.random((rows, columns)) < 0.2, generator.choice(EXTREMES, (rows, columns)), usual)
+    return np.clip(found, -LARGEST, LARGEST)
 
 
 def of(kind: Any) -> st.SearchStrategy[Any]:
@@ -116,7 +117,7 @@ def _scalar(kind: type, rules: tuple[Any, ...]) -> st.SearchStrategy[Any]:
         pattern = next((rule.pattern for rule in rules if getattr(rule, "pattern", None)), None)
         if pattern:
             return st.from_regex(pattern, fullmatch=True)
-        return st.text(max_size=min(SHORT, _bound(rules, limits.MaxLen, "max_length") or SHORT))
+        return st.text(max_size=min(SHORT, _bound(rules, limits.MaxLen, "max_length") or SHORT)).map(harmless)
     if kind is int:
         low = more + 1 if more is not None else -INT64 if at_least is None else at_least
         high = less - 1 if less is not None else INT64 - 1 if at_most is None else at_most

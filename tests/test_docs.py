@@ -15,7 +15,9 @@ from cli.main import whole_parser
 from cli.options import load
 from docs.generated_pages import PAGES
 from experiments.study import study
+from experiments.trials.measures import MEASURES
 from formation.scenario.files import parse, shipped
+from formation.scenario.json_schema import schema_of
 from formation.scenario.keys import keys
 from network.control import OPERATIONS
 from network.topics import MESSAGES
@@ -202,6 +204,16 @@ def test_the_page_of_keys_has_every_key_with_what_is_known_of_it() -> None:
         assert any(all(part in line for part in (key.unit, key.range, key.default)) for line in found), key
         words = max(key.text.replace("|", "\\|").split(), key=len)
         assert any(words in line for line in found), key
+
+
+def test_the_page_of_study_keys_has_every_key_and_measure() -> None:
+    page = PAGES["study-keys.md"]()
+    found = keys(schema_of(study.Study))
+    assert len(found) > 30
+    for key in found:
+        assert key.text, key
+        assert f"| `{key.path}` |" in page or f"\n## {key.path}\n" in page
+    assert all(f"| `{name}` |" in page for name in MEASURES)
 
 
 def test_the_page_of_messages_has_every_message_field_and_operation() -> None:

@@ -10,7 +10,7 @@ from formation.scenario.files import load
 from formation.scenario.overrides import from_json
 from formation.scenario.registry import check_live, register_unloaded
 from formation.scenario.user_code import from_text
-from network.lifetime import Lifetime
+from network.lifetime import TERMINATED, Lifetime
 from network.values import Mode
 from network.zenoh_bus import ZenohBus
 from world.bodies.own import load_bodies
@@ -47,11 +47,11 @@ def main(arguments: list[str] | None = None) -> int:
             episode = secrets.randbits(48)
             mode: Mode = "realtime" if options.realtime else "lockstep"
             world = World(scenario, episode=episode, endless=options.endless, mode=mode)
-            run(bus, world, lifetime, speed=options.speed, start=not options.paused)
+            stopped = run(bus, world, lifetime, speed=options.speed, start=not options.paused)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2
-    return 0
+    return 0 if stopped else TERMINATED
 
 
 if __name__ == "__main__":

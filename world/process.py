@@ -23,7 +23,7 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.appear("world")
 
 
-def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> None:
+def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> bool:
     """Simulate a world until the lifetime is over, or a user stops it.
 
     Args:
@@ -32,9 +32,13 @@ def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool
         lifetime: when to end.
         speed: simulated seconds per second; 0 means as fast as possible.
         start: begin as soon as every agent is there.
+
+    Returns:
+        Whether a user stopped it.
     """
     join(bus, world.mode)
     node, log = WorldNode(bus.run, world, speed=speed, start=start), ThrottledLog()
     while not (lifetime.over or node.over):
         perform(bus, node.feed(bus.arrivals(node.patience(monotonic())), monotonic()), log)
     perform(bus, node.close(monotonic()), log)
+    return node.over

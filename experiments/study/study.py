@@ -32,6 +32,7 @@ class Axis(Model):
     key: Annotated[str, Field(min_length=1)] | None = None
     """The scenario's key that takes the values, such as link.latency."""
     values: Annotated[list[Value], Field(min_length=1)] | None = None
+    """What the key takes, one after the other."""
     choices: Annotated[dict[str, dict[str, Any]], Field(min_length=1)] | None = None
     """What each name stands for: overrides such as { controller.age_plans = false }."""
 
@@ -73,6 +74,7 @@ class FigureSpec(Model):
     """bands: a line over x with the interval over seeds; surface: the mean over x and y as a map; recovery: the level
     over time, with the event."""
     title: str = ""
+    """Above it."""
     value: str | None = None
     """The measure that is drawn (bands, surface)."""
     x: str | None = None
@@ -90,6 +92,7 @@ class FigureSpec(Model):
     log: bool = True
     """Logarithmic value."""
     log_x: bool = False
+    """Logarithmic x."""
 
 
 class Bound(Model):
@@ -98,9 +101,11 @@ class Bound(Model):
     where: dict[str, Value] = Field(default_factory=dict)
     """Labels of axes; every combination of the others has to keep the bound."""
     measure: str
+    """Which figure of a trial is bounded."""
     statistic: Literal["mean", "median", "min", "max", "ratio"] = "mean"
     """Over the seeds; min, max: every trial. ratio: mean of the paired ratios to the baseline."""
     at_most: FiniteFloat | None = None
+    """Or at least: one of both, in the measure's unit."""
     at_least: FiniteFloat | None = None
     """One of both, in the measure's unit."""
     why: str = ""
@@ -124,6 +129,7 @@ class Study(Model):
     """A grid over scenarios, axes and seeds; every point of it meets the same seeds, that is, the same chance."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    """Of its folder of results."""
     title: str = ""
     """What it asks, in a sentence."""
     scenarios: Annotated[list[str], Field(min_length=1)]
@@ -136,6 +142,7 @@ class Study(Model):
     warmup: Duration = 0.0
     """Measures start at this simulated time [s]."""
     measures: Annotated[list[str], Field(min_length=1)]
+    """What is measured of every trial; figures and bounds may name these."""
     event: Event | None = None
     baseline: dict[str, Value] = Field(default_factory=dict)
     """Labels of axes: every trial is compared with that of the same seed there."""

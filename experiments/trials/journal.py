@@ -1,6 +1,7 @@
 """Results as they come in, one line each, so that an interrupted command goes on where it stopped."""
 
 import fcntl
+import hashlib
 import json
 from pathlib import Path
 from types import TracebackType
@@ -9,6 +10,10 @@ from typing import Any, Self
 from formation.errors import EchelonError
 
 NAME = "journal.jsonl"
+
+
+def _digest(text: bytes) -> bytes:
+    return hashlib.sha256(text).hexdigest()[:16].encode()
 
 
 class Journal:
@@ -43,19 +48,19 @@ class Journal:
             self._file.write(b"\n")
 
     def _read(self, line: bytes) -> None:
-        """Take a line if it is complete."""
-        try:
-            key, result = json.loads(line)
-        except (ValueError, TypeError):
+        """Take a line if it is as it was written: complete, and not edited or damaged."""
+        text, _, digest = line.rstrip(b"\n").rpartition(b" ")
+        if _digest(text) != digest:
             return
-        if isinstance(key, str) and isinstance(result, dict):
-            self.results[key] = result
+        key, result = json.loads(text)
+        self.results[key] = result
 
     def add(self, key: str, result: dict[str, Any]) -> None:
         """Write a result down; it survives the death of this process from here on. Raises EchelonError."""
         self.results[key] = result
         try:
-            self._file.write(json.dumps([key, result]).encode() + b"\n")
+            text = json.dumps([key, result]).encode()
+            self._file.write(text + b" " + _digest(text) + b"\n")
             self._file.flush()
         except OSError as error:
             raise EchelonError(f"the journal cannot be written: {error.strerror}") from None

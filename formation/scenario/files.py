@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from formation.errors import ScenarioError, unknown
 from formation.paths.files import text_of, with_files
 from formation.scenario.fitting import factor, scaled, too_narrow, with_limits
-from formation.scenario.overrides import Overrides, from_settings, merged
+from formation.scenario.overrides import DEEPEST, Overrides, from_settings, is_deep, merged
 from formation.scenario.scenario import Scenario
 from formation.schema import MAX_SCENARIO
 from formation.validation import problems
@@ -88,6 +88,8 @@ def parse(
     """
     if not isinstance(overrides, Mapping):
         overrides = from_settings(overrides)
+    if is_deep(raw) or is_deep(overrides):
+        raise ScenarioError(f"{where}: expected tables, at most {DEEPEST} within each other; got more")
     table = merged(raw, overrides)
     if folder is not None:
         table = with_files(table, folder, where)

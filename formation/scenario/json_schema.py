@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from formation.scenario.scenario import Scenario
@@ -12,7 +13,7 @@ BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "
 
 def json_schema() -> dict[str, Any]:
     """The schema of a scenario's file, in which a name may stand for a table and a file for the points."""
-    schema = Scenario.model_json_schema()
+    schema = schema_of(Scenario)
     for table in schema["$defs"].values():
         if "file" in table["properties"]:  # which then holds the points
             table["required"] = [key for key in table.get("required", ()) if key != "points"]
@@ -22,7 +23,13 @@ def json_schema() -> dict[str, Any]:
         "anyOf": [{"$ref": bodies.pop("$ref")}, {"type": "string", "enum": presets}],
         **bodies,
     }
-    return {"$schema": GenerateJsonSchema.schema_dialect, **_plain(schema)}
+    return {"$schema": GenerateJsonSchema.schema_dialect, **schema}
+
+
+def schema_of(model: type[BaseModel]) -> dict[str, Any]:
+    """The JSON schema of a model, in JSON schema's own words."""
+    found: dict[str, Any] = _plain(model.model_json_schema())
+    return found
 
 
 def _plain(part: Any) -> Any:

@@ -13,13 +13,19 @@ UNITS = ("1", "m", "s", "rad", "m/s", "rad/s", "m/s2", "rad/s2", "1/s", "message
 _BRACKETS = re.compile(r"\[([^\[\]]+)\]")
 TAG = "choice of a kind"
 """Type of the key by which a table says which of several it is."""
-_TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+_TYPES = {
+    "number": "number",
+    "integer": "whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "object": "table",
+}
 REQUIRED, ABSENT = "required", "absent"
 """Defaults of a key that has none, and of one that may be left out."""
 
 
 class Key(NamedTuple):
-    """A key of a scenario file."""
+    """A key of a scenario file, or of another that follows from a model."""
 
     path: str
     """Such as link.latency; faults[].at is a key of each of several tables."""
@@ -35,9 +41,13 @@ class Key(NamedTuple):
     """Its docstring."""
 
 
-def keys() -> list[Key]:
-    """All keys, in the order of the schema; those of a table behind it."""
-    schema = json_schema()
+def keys(schema: Mapping[str, Any] | None = None) -> list[Key]:
+    """All keys, in the order of the schema; those of a table behind it.
+
+    Args:
+        schema: of another kind of file; a scenario's, if absent.
+    """
+    schema = json_schema() if schema is None else schema
     found: dict[object, Key] = {}
     for key in _of_table(schema, schema, ""):
         same = key.path if key.type == TAG else (key.path, *key[2:])
@@ -172,7 +182,7 @@ def _length(choice: Mapping[str, Any]) -> str:
     elif least is None and most is None:
         size = ""
     else:
-        size = f"{least} to {most} values" if least and most else f"at most {most} values"
+        size = f"at least {least} values" if most is None else f"{least or 0} to {most} values"
     items = choice.get("prefixItems", [choice.get("items", {})])
     each = dict.fromkeys(filter(None, (_range(item) for item in items if item.get("type") or "anyOf" in item)))
     return ", ".join(filter(None, [size, *(f"each {words}" for words in each)]))

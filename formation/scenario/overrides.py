@@ -7,17 +7,23 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from formation.errors import ScenarioError
+from formation.validation import shown
 
 Overrides = Mapping[str, Any]
 """Tables by key, as TOML has them."""
+DEEPEST = 8
+"""Tables within tables; no scenario has so many."""
 KIND = "kind"
 """The key that tells which other keys a table has: a path of another kind keeps nothing of the old one."""
 
 
 def at_path(path: str, value: object) -> dict[str, Any]:
     """One value at the path of a key such as link.latency."""
-    first, dot, rest = path.strip().partition(".")
-    return {first: at_path(rest, value) if dot else value}
+    *above, last = (part.strip() for part in path.split("."))
+    found = {last: value}
+    for key in reversed(above):
+        found = {key: found}
+    return found
 
 
 def paths(overrides: Overrides, above: str = "") -> Iterator[str]:
@@ -27,6 +33,16 @@ def paths(overrides: Overrides, above: str = "") -> Iterator[str]:
             yield from paths(value, f"{above}{key}.")
         else:
             yield f"{above}{key}"
+
+
+def is_deep(table: Overrides) -> bool:
+    """Whether tables lie deeper within tables than in any scenario: what recurs into them must not recur for ever."""
+    level: list[object] = [table]
+    for _ in range(DEEPEST + 2):
+        tables = [item for item in level if isinstance(item, Mapping)]
+        level = [value for item in tables for value in item.values()]
+        level += [value for item in level if isinstance(item, list | tuple) for value in item]
+    return any(isinstance(item, Mapping) for item in level)
 
 
 def merged(table: Overrides, *more: Overrides) -> dict[str, Any]:
@@ -60,8 +76,8 @@ def from_settings(settings: Iterable[str]) -> dict[str, Any]:
     overrides: dict[str, Any] = {}
     for setting in settings:
         key, equals, text = setting.partition("=")
-        if not equals or not all(part.strip() for part in key.split(".")):
-            raise ScenarioError(f"--set: expected key=value; got {setting!r}")
+        if not equals or not all(part.strip() for part in key.split(".")) or key.count(".") > DEEPEST:
+            raise ScenarioError(f"--set: expected key=value; got {shown(setting)}")
         overrides = merged(overrides, at_path(key, from_text(text)))
     return overrides
 

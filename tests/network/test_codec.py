@@ -6,6 +6,7 @@
 import dataclasses
 import struct
 import typing
+import unicodedata
 import zlib
 from typing import Any
 
@@ -224,6 +225,11 @@ def numbers(*values: float) -> bytes:
         (COMMAND, "v", float("nan")),
         (COMMAND, "omega", float("inf")),
         (COMMAND, "age", float("-inf")),
+        (COMMAND, "v", 1e300),
+        (COMMAND, "solve", 1e300),
+        (PLAN, "lag_rate", -1e300),
+        (PLAN, "pose", numbers(0.0, -1e300, 0.0)),
+        (PLAN, "measurements", numbers(*[0.0] * 8, 1e17)),
         (COMMAND, "stamp", -0.01),
         (COMMAND, "stamp", float("nan")),
         (COMMAND, "v", "0.4"),
@@ -272,6 +278,21 @@ def test_a_value_of_the_wrong_type_range_or_shape_is_a_wire_error(message: Any, 
     decode(type(message), sealed(body))  # it is this value that is refused
     with pytest.raises(WireError):
         decode(type(message), seal(msgpack.packb(body | {field: value})))
+
+
+@given(st.text())
+def test_no_text_of_a_message_moves_a_terminals_cursor(text: Any) -> None:
+    read = decode(Reply, encode(Reply(False, f"\x1b[2J{text}\x9b\r\u202e"))).reason
+    assert not [character for character in read if is_control(character) and character not in "\n\t"]
+    assert decode(Reply, encode(Reply(False, "two\nlines"))).reason == "two\nlines"
+
+
+TURNING = ("LRO", "RLO", "LRE", "RLE", "PDF")
+"""The direction of what follows."""
+
+
+def is_control(character: str) -> bool:
+    return unicodedata.category(character) == "Cc" or unicodedata.bidirectional(character) in TURNING
 
 
 def test_a_huge_payload_is_refused_before_it_is_unpacked() -> None:

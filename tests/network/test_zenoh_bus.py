@@ -59,3 +59,17 @@ def test_of_what_nobody_looked_at_in_time_the_newest_is_left(pair: tuple[ZenohBu
     say(sender, range(50))
     every = heard(all_of_it, 50)
     assert list(kept.take()) == every[-3:]
+
+
+def test_what_is_too_large_for_a_message_arrives_as_no_message(
+    pair: tuple[ZenohBus, ZenohBus], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sender, listener = pair
+    kept = listener.keep(topics.command("x", 1), 100)
+    sender.announce(topics.command("x", 1), reliable=True)
+    time.sleep(0.2)
+    say(sender, range(1))
+    size = len(heard(kept, 1)[0].payload)
+    monkeypatch.setattr("network.zenoh_bus.MAX_BYTES", size - 1)
+    say(sender, range(1))
+    assert heard(kept, 1)[0].payload == b""

@@ -9,8 +9,13 @@ import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
+from network import topics
+from network.values import Event
+from network.zenoh_bus import ZenohBus
+from tests import builders
 from tests.processes.live import Up, echelon, processes, wait_for
 
 pytestmark = pytest.mark.processes
@@ -191,3 +196,50 @@ def test_a_formation_is_driven_by_commands_and_refuses_what_makes_no_sense(up: S
     echelon("control", "scenario", "circle")
     assert "drive-me" in echelon("control", "goto", "1", "1", check=2).stderr
     run.end()
+
+
+def test_a_token_may_begin_with_a_dash_and_is_in_no_list_of_processes(up: Start, runs: Path) -> None:
+    token = "-" + "a" * 20
+    run = up("triangle-circle", "--port", "0", "--host", "0.0.0.0", f"--token={token}")
+    wait_for(lambda: re.search(r"dashboard: http://\S+token=-aaa", run.text()))
+    assert not [process for process in processes(runs) if token in " ".join(process.cmdline())]
+    assert run.end() == 0
+    assert "Traceback" not in run.text()
+
+
+def test_a_forged_state_costs_seconds_and_no_agent_is_left_over(up: Start, runs: Path) -> None:
+    run = up("--no-dashboard")
+    run.running()
+    event = Event(10**6, 0.0, "run", "\x1b[2Jforged")
+    forged = [
+        builders.state(10, waiting_for=list(range(1, 11)), events=(event,)),
+        builders.state(1, dismissed=[1], events=(event,)),
+    ]
+    with ZenohBus(f"unixsock-stream/{runs}/test/router.sock", "test") as stranger:
+        stranger.announce(topics.state("test"))
+        for state in forged * 5:
+            stranger.publish(topics.state("test"), state)
+            time.sleep(0.03)
+
+    def agents() -> list[str]:
+        found = []
+        for process in processes(runs):
+            with contextlib.suppress(psutil.Error, IndexError):  # it has just ended
+                found.append(process.cmdline()[0])
+        return sorted(title for title in found if title.startswith("echelon test: agent"))
+
+    wait_for(lambda: agents() == [f"echelon test: agent {i}" for i in (1, 2, 3)] and run.status()["live"] == [1, 2, 3])
+    time.sleep(0.5)
+    assert len(agents()) == 3
+    assert "\x1b" not in run.text()
+    assert run.end() == 0
+
+
+def test_a_world_that_is_terminated_from_outside_is_started_again(up: Start) -> None:
+    run = up("--no-dashboard")
+    run.running()
+    pid = run.pid("world")
+    os.kill(pid, signal.SIGTERM)
+    wait_for(lambda: run.pid("world") != pid and run.status().get("live") == [1, 2, 3])
+    assert run.process.poll() is None
+    assert run.end() == 0

@@ -47,6 +47,15 @@ def test_lines_that_are_no_results_are_passed_over(whole: Any, tmp_path: Any) ->
         assert journal.results == RESULTS
 
 
+def test_a_line_that_was_edited_or_damaged_is_no_result(whole: Any, tmp_path: Any) -> None:
+    """As JSON it would be one."""
+    edited = whole.replace(b"1.5", b"2.5")
+    assert edited != whole
+    (tmp_path / NAME).write_bytes(edited + b'["d", {"values": {}}]\n')
+    with Journal(tmp_path) as journal:
+        assert journal.results == {key: result for key, result in RESULTS.items() if key != "a"}
+
+
 def test_two_commands_cannot_write_into_one_folder(tmp_path: Any) -> None:
     with Journal(tmp_path), pytest.raises(EchelonError, match="another process is writing to"):
         Journal(tmp_path)

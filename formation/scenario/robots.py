@@ -34,7 +34,7 @@ class Robots(Model):
     start_noise: StartNoise = StartNoise()
     sight: NonNegative = 1.0
     """How far a robot sees other bodies [m]."""
-    avoid: bool = True
+    avoid: bool = False
     """Keep off the bodies in sight by a last filter on commands."""
 
 

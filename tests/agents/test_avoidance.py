@@ -19,7 +19,7 @@ from runtime.inprocess import Simulation
 from world.sight import Sight
 from world.world import World
 
-SCENARIO = load("triangle-circle")
+SCENARIO = load("triangle-circle", {"robots": {"avoid": True}})
 DT = SCENARIO.control_interval
 TOUCH = 2.0 * SCENARIO.bodies.radius
 STILL = np.zeros((3, 2))
@@ -55,7 +55,9 @@ def test_with_nothing_near_the_command_is_the_very_same(v: float, omega: float, 
 @pytest.mark.parametrize("preset", ["ideal", "mocap", "rough", "duckiebot"])
 @pytest.mark.parametrize("v", [0.1, 0.5, -0.5])
 def test_a_robot_stops_before_one_that_stands(preset: str, v: float) -> None:
-    scenario = load("triangle-circle", {"bodies": {"preset": preset, "relative": {"sigma": 0.0}}})
+    scenario = load(
+        "triangle-circle", {"bodies": {"preset": preset, "relative": {"sigma": 0.0}}, "robots": {"avoid": True}}
+    )
     known, avoidance = scenario.nominal, filter_of(scenario)
     touch = 2.0 * scenario.bodies.radius
     pose, obstacle, wheel = (0.0, 0.0, 0.0), math.copysign(touch + 0.4, v), 0.0
@@ -82,7 +84,7 @@ def test_robots_see_who_is_within_sight_in_their_own_frame() -> None:
 
 
 def test_nobody_looks_without_the_filter() -> None:
-    assert len(World(load("triangle-circle", {"robots": {"avoid": False}})).tick().seen) == 0
+    assert len(World(load("triangle-circle")).tick().seen) == 0
     assert len(World(SCENARIO).tick().seen) == 9
 
 
@@ -104,12 +106,12 @@ def test_a_formation_in_order_drives_as_without_the_filter(preset: str) -> None:
 @pytest.mark.parametrize(("name", "stuck"), [("square-figure8", 1), ("hexagon-sinusoid", 1)])
 def test_a_stuck_robot_is_passed_and_comes_back_without_a_contact(name: str, stuck: int) -> None:
     case: dict[str, Any] = {
-        "duration": 24.0,
+        "duration": 26.0,
         "controller": {"name": "virtual_structure", "plan_every": 4},
         "disturbances": [{"robot": stuck, "at": 4.0, "until": 14.0, "drive": 0.0}],
     }
     touched, _, _ = outcome(name, robots={"avoid": False}, **case)
-    contacts, error, summary = outcome(name, **case)
+    contacts, error, summary = outcome(name, robots={"avoid": True}, **case)
     assert touched > 0
     assert contacts == 0
     assert error < 0.001
@@ -123,7 +125,7 @@ def test_robots_that_start_in_each_others_places_pass_each_other() -> None:
     swapped = [(float(x), float(y), float(theta)) for x, y, theta in slots[::-1]]
     case: dict[str, Any] = {"duration": 20.0, "controller": {"plan_every": 4}}
     touched, _, _ = outcome("circle", robots={"poses": swapped, "avoid": False}, **case)
-    contacts, error, _ = outcome("circle", robots={"poses": swapped}, **case)
+    contacts, error, _ = outcome("circle", robots={"poses": swapped, "avoid": True}, **case)
     assert touched > 0
     assert contacts == 0
     assert error < 0.005

@@ -100,8 +100,8 @@ def trial(case: Case, arm: str) -> dict[str, Any]:
     row = {"arm": arm, **case._asdict()}
     try:
         scenario = scenario_of(case, arm)
-    except EchelonError as error:
-        return {**row, "refused": str(error).splitlines()[0]}
+    except EchelonError as refusal:
+        return {**row, "refused": str(refusal).splitlines()[0]}
     began = perf_counter()
     simulation = Simulation(scenario)
     touched = simulation.world.contacts.count

@@ -25,8 +25,8 @@ X, Y, VX, VY, EX, EY, SEEN, COUNT = range(8)
 normalised innovations; the tick at which it was seen; and how often since it was lost, 0: not in sight."""
 NEWEST, BLOCKED, SIDE, SPEED, FREE, WHO = range(6)
 """Of the memory: the newest tick; for how long the robot has been kept off [s]; 1 if it goes round a body on the right,
-seen from the robot, -1 on the left, 0 if it does not; own v [m/s]; for how long no command had to be changed [s]; the row
-of the body that was kept off last."""
+seen from the robot, -1 on the left, 0 if it does not; own v [m/s]; for how long no command had to be changed [s];
+the row of the body that was kept off last."""
 V_MAX, OMEGA_MAX, DV, DOMEGA, STEER, ROUND, KEPT, ALPHA, BETA, SIGMA, DT = range(11)
 """Of the law: limits of |v| and |omega|, largest changes of wheel speeds in a tick, turn rate and speed on the way
 round a body, ticks after which a body that is not seen is forgotten, gains and standard deviation of sightings [m], the

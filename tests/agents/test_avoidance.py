@@ -79,7 +79,7 @@ def test_a_robot_stops_before_one_that_stands(preset: str, v: float) -> None:
 def test_robots_see_who_is_within_sight_in_their_own_frame() -> None:
     poses = np.array([[0.0, 0.0, math.pi / 2.0], [0.0, 0.9, 0.0], [0.0, 1.5, 0.0]])
     seen = Sight(SCENARIO).see(0, poses)
-    assert [divmod(row, 3) for row in np.flatnonzero(seen.any(axis=1))] == [(0, 1), (1, 0), (1, 2), (2, 1)]
+    assert [divmod(int(row), 3) for row in np.flatnonzero(seen.any(axis=1))] == [(0, 1), (1, 0), (1, 2), (2, 1)]
     np.testing.assert_allclose(seen[1], [0.9, 0.0], atol=1e-12)
 
 

@@ -1,7 +1,7 @@
 """The task of one robot and its upstream neighbour: references by tick, and the pattern between them."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from formation.way import HeardReference
 from network.values import NO_WAY
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class HorizonReference:
+class HorizonReference(NamedTuple):
     """The reference over one horizon: of robot i, its upstream neighbour, that one's, and the downstream neighbour."""
 
     slots: FloatArray
@@ -112,15 +111,6 @@ class Task:
         """The robot's slot (3,) at tick k, a little earlier if between ticks, and that slot's speed at full pace."""
         block, row = self.block(math.floor(self._row(k)))
         return block.slots[row, 0], float(block.inputs[row, 0, 0])
-
-    def place(self, at: float) -> tuple[FloatArray, FloatArray]:
-        """The own slot (3,) at a tick that may lie between two, and its inputs (2,) at the one before."""
-        block, row = self.block(math.floor(at + 1e-9))
-        part = max(at - row - block.first, 0.0)
-        now, later = block.slots[row, 0], block.slots[row + 1, 0]
-        gap = later - now
-        gap[2] = math.atan2(math.sin(gap[2]), math.cos(gap[2]))
-        return now + part * gap, block.inputs[row, 0]
 
     def ahead(self, k: int) -> HorizonReference:
         """The reference from tick k on, by the robot's reference time."""

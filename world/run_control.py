@@ -99,7 +99,10 @@ class RunControl:
                     self._presence.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
-                self.compare = "" if name == "off" else check_name(name, "off")
+                check_name(name, "off")
+                if name not in ("off", world.scenario.controller.name):
+                    with_controller(world.scenario, name)  # refused here, not in the ghost
+                self.compare = "" if name == "off" else name
             case control.Drive(v=v, omega=omega, seconds=seconds):
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):

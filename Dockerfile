@@ -10,7 +10,10 @@ COPY records records
 COPY dashboard dashboard
 COPY runtime runtime
 COPY experiments experiments
+COPY api api
 COPY cli cli
+COPY echelon.py ./
+COPY echelon-stubs echelon-stubs
 COPY scenarios scenarios
 COPY studies studies
 RUN pip install --no-cache-dir -c constraints.txt .

@@ -24,7 +24,7 @@ from runtime.inprocess import Simulation
 from world.journal import Journal
 
 SCENARIOS = {3: "triangle-circle", 16: "ring-16"}
-SECONDS = 10.0
+SECONDS = 20.0
 RUN = "benchmark"
 
 

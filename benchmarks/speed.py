@@ -48,6 +48,45 @@ for _ in range(int(sys.argv[2])):
 print(json.dumps([min(seconds), min(solves)]))
 """
 """Processor time of an episode and median time of its solves [s], in the names of either checkout."""
+PARTS = """
+import json, sys, time
+try:
+    from agents.controllers.best_response import BestResponse
+    from agents.window_estimator import WindowEstimator
+    from formation.scenario.files import load
+    from runtime.inprocess import Simulation
+except ImportError:  # before there was an estimator
+    raise SystemExit(print("[NaN, NaN]"))
+
+spent = {}
+
+
+def timed(kind, name):
+    call = getattr(kind, name)
+
+    def measured(*arguments):
+        began = time.perf_counter()
+        found = call(*arguments)
+        spent[kind] += time.perf_counter() - began
+        return found
+
+    setattr(kind, name, measured)
+
+
+timed(BestResponse, "plan")
+for name in ("roll", "sense", "hear", "estimate", "neighbour"):
+    timed(WindowEstimator, name)
+best = [1.0, 1.0]
+simulation = Simulation(load(sys.argv[1], sys.argv[3:]))
+for _ in range(100 * int(sys.argv[2])):
+    spent.update({BestResponse: 0.0, WindowEstimator: 0.0})
+    for _ in range(10):
+        simulation.step()
+    solve, estimate = (spent[kind] / (10 * len(simulation.agents)) for kind in (BestResponse, WindowEstimator))
+    best = [min(best[0], solve), min(best[1], solve + estimate)]
+print(json.dumps(best))
+"""
+"""Time of a robot's solve, and of its estimator and solve together, in a tick; the fastest ten in a row [s]."""
 MEASUREMENTS: dict[str, Callable[["Checkout", int], dict[str, float]]] = {}
 """Time [s] of each figure, by name, of one checkout and seed."""
 
@@ -119,6 +158,18 @@ def _in_process(scenario: str, duration: float, *settings: str) -> Callable[[Che
     return measure
 
 
+def _parts(scenario: str, *settings: str) -> Callable[[Checkout, int], dict[str, float]]:
+    """With a robot that sees its neighbour in the window, measured every tick."""
+
+    def measure(checkout: Checkout, seed: int) -> dict[str, float]:
+        wanted = (f"seed={seed}", "duration=60", *NOISE[:2], *settings)
+        text, _ = checkout.python("-c", PARTS, scenario, str(REPEATS), *wanted)
+        solve, both = json.loads(text)
+        return {"solve": solve, "estimator and solve": both}
+
+    return measure
+
+
 def _lockstep(checkout: Checkout, seed: int) -> dict[str, float]:
     """The slope between a short and a long run: starting is not part of a tick."""
     short, long = (checkout.run("triangle-circle", seed, t, "--engine", "processes") for t in (5.0, 25.0))
@@ -136,6 +187,11 @@ MEASUREMENTS |= {
     "in process, 3 robots": _in_process("triangle-circle", 20.0),
     "in process, 8 robots": _in_process("ring-16", 10.0, "formation.robots=8"),
     "in process, 16 robots": _in_process("ring-16", 5.0),
+    "in process, 64 robots": _in_process("ring-16", 1.0, "formation.robots=64"),
+    "in process, no faults, 3 robots": _in_process("triangle-circle", 20.0, "link={}"),
+    "parts, W = 2": _parts(
+        "triangle-circle", "bodies.relative.sigma=0.002", "noise.position=0.001", "noise.heading=0.01"
+    ),
     "lockstep, 3 processes": _lockstep,
     "start": _start,
 }

@@ -20,6 +20,7 @@ COMMANDS = {
     "verify": "simulate a record again and compare every bit",
     "scenarios": "list the scenarios, or the keys of a scenario",
     "schema": "print the JSON schema of scenario files",
+    "new": "write a controller of your own to begin with, and its test",
     "compose": "print a compose file for a scenario",
     "doctor": "check what a run needs",
     "completion": "print a script for the shell's completion",

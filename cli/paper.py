@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from cli.options import add_workers, check_workers, tell
-from cli.progress import TrialProgress
+from cli.terminal.progress import TrialProgress
 from formation.units import seconds
 
 

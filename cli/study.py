@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from cli.options import add_controllers, add_workers, check_workers, controllers, tell
-from cli.progress import TrialProgress
+from cli.terminal.progress import TrialProgress
 from experiments.study.controllers import with_controllers
 from experiments.study.study import Study, load, shipped
 from experiments.study.table import Row

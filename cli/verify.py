@@ -3,13 +3,16 @@
 import argparse
 from pathlib import Path
 
-from cli.options import tell
+from cli.options import add_controllers, controllers, tell
 from records.record import load
 from runtime.precompile import ensure_compiled
+from runtime.user_code import named
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
+    add_controllers(parser)
+    parser.add_argument("--bodies", metavar="FILE.py:CLASS", help="code of your own that moved the bodies")
     parser.add_argument("file", type=Path, metavar="FILE", help="a record (.mcap) of a lockstep run")
 
 
@@ -17,6 +20,9 @@ def run(options: argparse.Namespace) -> int:
     """Print what came of it; 1 if anything differs."""
     record = load(options.file)
     ensure_compiled(tell)
+    controllers(options)
+    if options.bodies:
+        named(options.bodies, "bodies")
     from runtime.verification import verify  # noqa: PLC0415  half a second, for numba
 
     verdicts = verify(record)

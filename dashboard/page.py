@@ -8,6 +8,7 @@ import viser
 from dashboard.notices import Notices
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
+from dashboard.panels.driving import DrivePanel
 from dashboard.panels.event_log import event_log
 from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
@@ -82,6 +83,7 @@ class Page:
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:
         gui.add_html(style_element())
         self._run = RunPanel(gui, self._requests, self._scenarios)
+        self._drive = DrivePanel(self._server, self._requests)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._export_buffer, lambda: self._palette, self._notices.notify)
@@ -206,8 +208,10 @@ class Page:
 
     def _draw_panels(self, snapshot: Snapshot, links: list[LinkView], *, whole: bool) -> None:
         self._run.draw(snapshot, links, self._history)
+        self._drive.draw(snapshot)
         n = len(snapshot.poses)
-        verbs = {"all": 0, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)}
+        driver = {"driver": 1} if _driven(snapshot) else {}
+        verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)}
         self._clickable.set_verbs(verbs if n else {})
         self._link_matrix.content = link_matrix(snapshot, links, self._clickable, self._faults.target)
         self._turn += 1
@@ -216,8 +220,12 @@ class Page:
         if whole or not self._turn % 2:
             self._event_log.content = event_log(snapshot.state)
         if snapshot.state is not None:
-            self._faults.draw(snapshot.state)
+            self._faults.draw(snapshot.state, driven=_driven(snapshot))
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
         self._export.update(snapshot)
         self._notices.update(snapshot, links)
+
+
+def _driven(snapshot: Snapshot) -> bool:
+    return snapshot.scenario is not None and snapshot.scenario.driven

@@ -30,6 +30,8 @@ class RequestQueue:
         """Changes by links, of sliders that have not rested yet."""
         self._rest: tuple[float, float | None, int | None] = (0.0, None, None)
         """When they are sent, for how long the change holds [s], and the page."""
+        self._steering: tuple[Operation, int | None] | None = None
+        """The newest order that is not sent yet, and the page; an older one is of no use."""
         self._errors = ThrottledLog()
         self._over = False
         self._thread = threading.Thread(target=self._work, name="requests", daemon=True)
@@ -51,6 +53,13 @@ class RequestQueue:
         """Request an operation, after all earlier requests."""
         self._flush()
         self._queue.put((operation, page))
+
+    def steer(self, operation: Operation, page: int | None) -> None:
+        """Request an order to the formation; it replaces one that is not sent yet."""
+        with self._lock:
+            waits, self._steering = self._steering is not None, (operation, page)
+        if not waits:
+            self._queue.put(None)
 
     def change(
         self,
@@ -104,6 +113,9 @@ class RequestQueue:
         except Empty:
             self._telemetry.update_scenario()
             return
+        if asked is None:
+            with self._lock:
+                asked, self._steering = self._steering, None
         if asked is None:
             return
         operation, page = asked

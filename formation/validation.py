@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from formation.errors import unknown
+from formation.errors import Line, unknown
 
 TAGS = ("kind", "name")
 """Keys by which a table says which of several models it is."""
@@ -49,16 +49,23 @@ def as_lines(error: ValidationError, model: type[BaseModel], others: Iterable[ty
     """
     found: list[InitErrorDetails] = []
     for item in error.errors(include_url=False):
-        line = _line(dict(item), model).partition(": ")[2]
+        whole = _line(dict(item), model)
+        line, choices = whole.partition(": ")[2], getattr(whole, "choices", ())
         if item["type"] == "extra_forbidden":
             line += _whose(str(item["loc"][-1]), [other for other in others if other is not model])
-        found.append({"type": PydanticCustomError(LINE, "{error}", {"error": line}), "loc": item["loc"], "input": None})
+        found.append(
+            {
+                "type": PydanticCustomError(LINE, "{error}", {"error": line, "choices": choices}),
+                "loc": item["loc"],
+                "input": None,
+            }
+        )
     return ValidationError.from_exception_data(model.__name__, found)
 
 
-def mistake(key: str, line: str) -> ValidationError:
+def mistake(key: str, line: str, choices: Iterable[str] = ()) -> ValidationError:
     """One mistake in the value of a key, for whoever validates the table."""
-    kind = PydanticCustomError(LINE, "{error}", {"error": line})
+    kind = PydanticCustomError(LINE, "{error}", {"error": line, "choices": [*choices]})
     return ValidationError.from_exception_data(key, [{"type": kind, "loc": (key,), "input": None}])
 
 
@@ -105,7 +112,9 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
         return f"{key}: expected {words} {context[bound]:g}; got {shown(got)}"
-    if kind in ("value_error", LINE):
+    if kind == LINE:
+        return Line(f"{key}: {context['error']}", key, context.get("choices", ()))
+    if kind == "value_error":
         return f"{key}: {context['error']}"
     text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
     return f"{key}: expected {text}; got {shown(got)}"

@@ -59,6 +59,7 @@ class HeardReference:
         self._offsets, self._tick, self._stride, self._revised = offsets, control_interval, stride, revised
         self._ahead = stride * (horizon + 1)
         self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
+        self._returning = False
         self._take(start)
         self.known = True
         """Whether there is anything to follow."""
@@ -73,20 +74,32 @@ class HeardReference:
 
     def lost(self, k: int) -> bool:
         """Whether at tick k the preview is over, or a newer one is not reached yet."""
+        if k > self.end or not self._returning:
+            return k > self.end
         gap = self._gap_at(np.array([k]))[0]
-        return k > self.end or math.hypot(gap[X - 1], gap[Y - 1]) > BACK
+        return math.hypot(gap[X - 1], gap[Y - 1]) > BACK
 
     def forget(self) -> None:
         """Nothing is known: the robot begins in the middle of an episode."""
         self.known = False
 
-    def hear(self, preview: FloatArray, k: int) -> bool:
-        """Take a preview, if it is newer than what is known; from tick k on it counts. Returns whether it did."""
+    def hear(self, preview: FloatArray, k: int, late: int = 0) -> bool:
+        """Take a preview at tick k, if it is newer than what is known.
+
+        Args:
+            preview: (m, 6) that was heard.
+            k: when the next command acts.
+            late: ticks that the robot's reference time is behind; from k - late on the preview counts.
+
+        Returns:
+            Whether it was taken.
+        """
         if preview.shape != self.newest.shape or preview[0, TICK] <= self.newest[0, TICK]:
             return False
-        steps = np.diff(preview[:, TICK])
+        steps = preview[1:, TICK] - preview[:-1, TICK]
         if np.any(steps != self._stride) or not 0 <= preview[0, TICK] <= k:
             return False
+        k = max(k - late, int(preview[0, TICK])) if late else k
         if k > self._filled:
             self._fill(self._filled, k)
         whole, old_end = self.known and not self._returning, self.end
@@ -94,6 +107,7 @@ class HeardReference:
         before = self._centre(at)
         self._take(preview)
         self._joined, self._gap, self._slope = k, np.zeros(5), np.zeros(5)
+        self._returning = False
         if self.known:
             apart = before - self._centre(at)
             turns = slice(THETA - 1, None)
@@ -101,6 +115,7 @@ class HeardReference:
             if np.abs(apart).max() > CLOSED:
                 self._gap = apart[0]
                 self._slope = apart[1] * math.exp(RETURN * self._tick) - apart[0]
+                self._returning = True
         self.known = True
         # What both previews have stays, unless a gap was closed or is to be.
         same = whole and not self._returning and not self._revised
@@ -124,11 +139,9 @@ class HeardReference:
     def _take(self, preview: FloatArray) -> None:
         self.newest = preview
         self._nodes = preview[:, TIME:].copy()
-        self._nodes[:, THETA - 1 :] = np.unwrap(self._nodes[:, THETA - 1 :], axis=0)
-
-    @property
-    def _returning(self) -> bool:
-        return bool(self._gap.any() or self._slope.any())
+        turns = self._nodes[:, THETA - 1 :]
+        if np.abs(turns[1:] - turns[:-1]).max() >= math.pi:
+            turns[:] = np.unwrap(turns, axis=0)
 
     def _gap_at(self, ticks: FloatArray) -> FloatArray:
         """What is left of the gap (T, 5) at these ticks (T,)."""
@@ -146,17 +159,18 @@ class HeardReference:
     def _inside(self, ticks: FloatArray) -> FloatArray:
         """Cubics through the preview's rows, (T, 5)."""
         nodes, last = self._nodes, len(self._nodes) - 1
-        at = np.clip((ticks - self.newest[0, TICK]) / self._stride, 0.0, float(last))
+        at = np.minimum(np.maximum((ticks - self.newest[0, TICK]) / self._stride, 0.0), float(last))
         j = np.minimum(at.astype(int), last - 1)
-        s = (at - j)[:, None]
-        first = np.clip(j - 1, 0, last - 3)
-        u = s + (j - first)[:, None]
+        first = np.minimum(np.maximum(j - 1, 0), last - 3)
+        u = ((at - j) + (j - first))[:, None]
         # Lagrange's cubic through the nodes 0, 1, 2, 3 around.
+        a, b, c = u - 1, u - 2, u - 3
+        ab, ua, ub = a * b, u * a, u * b
         return np.asarray(
-            -(u - 1) * (u - 2) * (u - 3) / 6 * nodes[first]
-            + u * (u - 2) * (u - 3) / 2 * nodes[first + 1]
-            - u * (u - 1) * (u - 3) / 2 * nodes[first + 2]
-            + u * (u - 1) * (u - 2) / 6 * nodes[first + 3]
+            ub * c / 2 * nodes[first + 1]
+            - ab * c / 6 * nodes[first]
+            - ua * c / 2 * nodes[first + 2]
+            + ua * b / 6 * nodes[first + 3]
         )
 
     def _beyond(self, after: FloatArray) -> FloatArray:

@@ -14,6 +14,8 @@ from network.messages import Request
 
 MAX_SECONDS, FARTHEST = 1e6, 1e6
 """Of an order [s], and of a goal [m]."""
+TRACE_ROWS = 64_000
+"""Rows of one robot's trace in one reply, at most: 3 MB."""
 Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
@@ -156,6 +158,13 @@ class Orders(_Operation):
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
 
 
+class GetTrace(_Operation):
+    """The reply's value holds rows of the episode's trace as bytes of float64: poses, inputs, ages; and `ticks`."""
+
+    first: Annotated[int, Field(ge=0)] = 0
+    """Tick from which on rows are wanted; a reply has TRACE_ROWS of them at most, divided by the number of robots."""
+
+
 class GetSummary(_Operation):
     """The reply's value is the summary of the episode."""
 
@@ -182,6 +191,7 @@ Operation = (
     | GoTo
     | GetOrders
     | GetSummary
+    | GetTrace
 )
 OPERATIONS: dict[str, type[Operation]] = {
     "start": Start,
@@ -203,6 +213,7 @@ OPERATIONS: dict[str, type[Operation]] = {
     "goto": GoTo,
     "orders": GetOrders,
     "summary": GetSummary,
+    "trace": GetTrace,
 }
 _NAMES = {model: name for name, model in OPERATIONS.items()}
 

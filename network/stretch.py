@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from formation.scenario.user_code import UserCode
 from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
 from network.values import Event, Mode
 
@@ -47,4 +48,6 @@ class Stretch:
     events: list[Event] = field(default_factory=list)
     scenario: LongText = ""
     """JSON of the scenario, in the first stretch of an episode and in the first that a recorder gets; else empty."""
+    user_code: list[UserCode] = field(default_factory=list)
+    """With the scenario: the code of a user's own that it runs with."""
     __pydantic_config__ = STRICT

@@ -64,7 +64,8 @@ class RecordFile:
         self._counts[topic] = 0
 
     def note(self, name: str, values: Mapping[str, str]) -> None:
-        """Add metadata."""
+        """Add metadata, which stands behind the messages before it: those of the open chunk too."""
+        self.flush()
         self._writer.add_metadata(name, dict(values))
 
     def flush(self) -> None:

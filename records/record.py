@@ -36,6 +36,8 @@ class RecordedEpisode:
     """Where its t = 0 is on the record's clock [ns]."""
     scenario: str
     """JSON."""
+    user_code: str = "[]"
+    """JSON: the code of a user's own that it ran with."""
     orders: list[RecordedOrder] = field(default_factory=list)
     checks: dict[int, tuple[int, ...]] = field(default_factory=dict)
     """By tick, the CRC-32 of each robot's pose."""
@@ -114,7 +116,9 @@ def load(path: Path) -> Record:
 def _episode(path: Path, values: dict[str, str]) -> RecordedEpisode:
     try:
         number, begins = int(values["number"]), int(values["begins"])
-        return RecordedEpisode(number, values["mode"], values["controller"], begins, values["scenario"])
+        return RecordedEpisode(
+            number, values["mode"], values["controller"], begins, values["scenario"], values["user_code"]
+        )
     except (KeyError, ValueError) as error:
         raise EchelonError(f"expected metadata of an episode in {path}; got {error}") from None
 

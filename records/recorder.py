@@ -10,7 +10,9 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.metrics import pattern_errors, tracking_error
+from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
+from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
 from network.messages import VERSION, Plan, Status
 from network.stretch import Stretch
@@ -109,15 +111,17 @@ class Recorder:
         self._show(episode, stretch, poses[-1], inputs[-1])
 
     def _begin(self, stretch: Stretch) -> _Episode:
-        scenario = Scenario.model_validate_json(stretch.scenario)
+        scenario = json.loads(stretch.scenario)  # not validated: the code of a user's own is not loaded here
+        interval = float(scenario.get("control_interval", Scenario.model_fields["control_interval"].default))
         begins = self._clock + (BETWEEN_EPISODES if self._episode is not None else 0)
-        episode = _Episode(stretch.episode, scenario.size, scenario.control_interval, begins, stretch.first)
+        episode = _Episode(stretch.episode, len(stretch.slots), interval, begins, stretch.first)
         self._episode, self._clock = episode, begins
         self._shown.clear()
         self._now = stretch.stamp
-        controller = scenario.controller.name
+        controller = str(scenario.get("controller", {}).get("name", DEFAULT))
         values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
-        self._file.note("episode", {**values, "scenario": stretch.scenario})
+        code = {"user_code": to_text(stretch.user_code)}
+        self._file.note("episode", {**values, **code, "scenario": stretch.scenario})
         return episode
 
     def _time(self, episode: _Episode, tick: int) -> int:

@@ -2,6 +2,7 @@
 
 import contextlib
 import signal
+import threading
 from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
@@ -50,7 +51,7 @@ class LiveRun:
         self,
         name: str,
         scenario: Scenario,
-        source: str,
+        source: str | None,
         overrides: Overrides,
         *,
         tell: Callable[[str], None],
@@ -61,7 +62,8 @@ class LiveRun:
         Args:
             name: of the run.
             scenario: what to run, already checked.
-            source, overrides: name or file, and what differs from it, from which the world makes the same scenario.
+            source, overrides: name or file, and what differs from it, from which the world makes the same scenario;
+                with None it gets the scenario itself.
             tell: called with a line for the user.
             options: of runtime.process_list.RunPlan.
 
@@ -80,7 +82,9 @@ class LiveRun:
     def __enter__(self) -> Self:
         """Claim the name and start the processes. Raises EchelonError: the name is in use, or it cannot be done."""
         # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
-        self._handlers = {number: signal.signal(number, _interrupt) for number in _ENDINGS if number not in _ignored()}
+        if threading.current_thread() is threading.main_thread():  # elsewhere Python allows no handlers
+            endings = [number for number in _ENDINGS if number not in _ignored()]
+            self._handlers = {number: signal.signal(number, _interrupt) for number in endings}
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
@@ -103,7 +107,7 @@ class LiveRun:
         self._claim = claim = Claim(self._name, page=address)
         file = claim.path / "scenario.json"
         file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
-        if is_file(source) or any(path.endswith("file") for path in paths(overrides)):
+        if source is None or is_file(source) or any(path.endswith("file") for path in paths(overrides)):
             # A pipe can be read once only, and nobody else needs the files that a scenario names.
             source, overrides = str(file), {}
         options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
@@ -121,6 +125,17 @@ class LiveRun:
             self._claim.__exit__()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
+
+    @property
+    def page(self) -> str:
+        """Address of its page; empty without one."""
+        page = self._options.get("dashboard")
+        return Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
+
+    @property
+    def endpoint(self) -> str:
+        """Of its router."""
+        return self._plan.connect
 
     @property
     def state(self) -> State | None:

@@ -10,7 +10,10 @@ import numpy as np
 from formation.errors import EchelonError
 from formation.faults import Fault
 from formation.link_ids import LinkId
+from formation.loading.load import differs
+from formation.loading.source import LOADED
 from formation.scenario.files import parse
+from formation.scenario.user_code import from_text
 from network.messages import VERSION
 from records.record import Record, RecordedEpisode, RecordedOrder
 from runtime.ghost.shadow import Shadow
@@ -56,6 +59,10 @@ def verify(record: Record, progress: Callable[[float], None] = lambda _: None) -
 
 
 def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], None]) -> Verdict:
+    for code in from_text(episode.user_code):
+        here = LOADED.get((code.kind, code.name))
+        if here is None or here.sha256 != code.sha256:
+            raise EchelonError(differs(code.kind, code.name, code.origin, code.sha256, here.sha256 if here else None))
     scenario = parse(json.loads(episode.scenario), where="the record's scenario")
     orders = sorted(episode.orders, key=lambda order: (order.tick, order.number))
     missing = sorted(set(range(max((order.number for order in orders), default=-1) + 1)) - {o.number for o in orders})

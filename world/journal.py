@@ -9,6 +9,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from network.messages import WORLD
 from network.stretch import Order, Stretch
+from world.bodies.own import user_code_of
 from world.world import World
 
 STRETCH_SECONDS = 0.05
@@ -119,6 +120,7 @@ class Journal:
             orders=self._orders[self._sent :],
             events=newest,
             scenario="" if self._stretches else world.scenario.model_dump_json(exclude_unset=True),
+            user_code=[] if self._stretches else user_code_of(world.scenario),
         )
         self._stretches, self._sent, self._rows = self._stretches + 1, len(self._orders), []
         self._events = newest[-1].number if newest else self._events

@@ -99,7 +99,10 @@ class RunControl:
                     self._presence.dismiss(robot, for_good=False)
                 world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
             case control.Compare(controller=name):
-                self.compare = "" if name == "off" else check_name(name, "off")
+                check_name(name, "off")
+                if name not in ("off", world.scenario.controller.name):
+                    with_controller(world.scenario, name)  # refused here, not in the ghost
+                self.compare = "" if name == "off" else name
             case control.Drive(v=v, omega=omega, seconds=seconds):
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
@@ -108,6 +111,8 @@ class RunControl:
                 return self._orders_since(tables, drives)
             case control.Stop():
                 self.stop = True
+            case control.GetTrace(first=first):
+                return self._trace(first)
             case control.GetSummary(warmup=warmup):
                 rate = self._rate
                 figures = {"wall_s": rate.wall, "overruns": rate.overruns, "rejected": self.rejected}
@@ -126,6 +131,17 @@ class RunControl:
             world.event("drive", line)
         shown = world.driver.shown
         return {"tick": world.k, "v": shown.v, "omega": shown.omega}
+
+    def _trace(self, first: int) -> dict[str, Any]:
+        """Rows of the trace from a tick on, as bytes."""
+        trace = self._world.trace
+        if trace is None:
+            raise EchelonError("expected an episode of known length; got an endless one, of which no trace is kept")
+        last = min(len(trace.inputs), first + max(1, control.TRACE_ROWS // self._world.scenario.size))
+        poses = trace.poses[first + 1 if first else 0 : last + 1]
+        arrays = {"poses": poses, "inputs": trace.inputs[first:last], "ages": trace.ages[first:last]}
+        packed = {name: values.astype("<f8").tobytes() for name, values in arrays.items()}
+        return {"ticks": len(trace.inputs), "last": last, **packed}
 
     def _orders_since(self, tables: int, drives: int) -> dict[str, Any]:
         world = self._world

@@ -72,7 +72,7 @@ class BestResponse:
         task, weights, square = self._task, self._weights, self._spacing**2
         waits = False
         if self._waiting and observation.lost:
-            self._waiting.rest(observation.k)
+            self._waiting.lose(observation.k)
         elif self._waiting:
             waits = self._waiting.update(observation)
         ahead = task.ahead(observation.k)

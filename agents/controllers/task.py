@@ -1,7 +1,7 @@
 """The task of one robot and its upstream neighbour: references by tick, and the pattern between them."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from formation.way import HeardReference
 from network.values import NO_WAY
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class HorizonReference:
+class HorizonReference(NamedTuple):
     """The reference over one horizon: of robot i, its upstream neighbour, that one's, and the downstream neighbour."""
 
     slots: FloatArray
@@ -48,6 +47,8 @@ class Task:
         """The reference of a robot that is told the path; None if it knows it."""
         self.reference = self.way or scenario.reference(columns, rounded=rounded)
         self._tells = scenario.path.known_to == "leader"
+        self.waits_for_lost = scenario.path.wait_for_lost
+        """Whether a robot that is lost holds up all others."""
         self.horizon, self.stride = controller.horizon, scenario.stride
         self.tick, self.interval = scenario.control_interval, controller.prediction_interval
         self.limits = np.array([scenario.robots.limits.v, scenario.robots.limits.omega])
@@ -63,13 +64,18 @@ class Task:
         self._ahead: tuple[tuple[int, float, float], HorizonReference] | None = None
 
     def hear(self, way: FloatArray, k: int) -> None:
-        """A neighbour's preview of the path came in; from tick k on it counts."""
-        if self.way is not None and self.way.hear(way, k):
+        """A neighbour's preview of the path came in; from tick k on it counts, or from the reference time then."""
+        if self.way is not None and self.way.hear(way, k, self._late):
             self._ahead = self._table = None
 
     def preview(self, k: int) -> FloatArray:
         """The preview of the path that a plan of tick k carries, (m, 6) as network.messages.Plan has it."""
-        return self.reference.preview(k) if self._tells else NO_WAY
+        return self.reference.preview(max(k - self._late, 0)) if self._tells else NO_WAY
+
+    @property
+    def _late(self) -> int:
+        """Ticks of the lag, where the path's reference time is what lost robots are waited for by."""
+        return int(self.lag / self.tick) if self.waits_for_lost else 0
 
     def forget(self) -> None:
         """The robot begins in the middle of an episode: unless it knows the path, it waits for word of it."""
@@ -87,7 +93,7 @@ class Task:
 
     def lost(self, k: int) -> bool:
         """Whether the robot does not know where the formation is at tick k."""
-        return self.way is not None and self.way.lost(k)
+        return self.way is not None and self.way.lost(k - self._late)
 
     def block(self, k: int) -> tuple[Block, int]:
         """The reference's block for tick k and the row of k in it. Column 0 is the robot, 1 its neighbour."""
@@ -105,15 +111,6 @@ class Task:
         """The robot's slot (3,) at tick k, a little earlier if between ticks, and that slot's speed at full pace."""
         block, row = self.block(math.floor(self._row(k)))
         return block.slots[row, 0], float(block.inputs[row, 0, 0])
-
-    def place(self, at: float) -> tuple[FloatArray, FloatArray]:
-        """The own slot (3,) at a tick that may lie between two, and its inputs (2,) at the one before."""
-        block, row = self.block(math.floor(at + 1e-9))
-        part = max(at - row - block.first, 0.0)
-        now, later = block.slots[row, 0], block.slots[row + 1, 0]
-        gap = later - now
-        gap[2] = math.atan2(math.sin(gap[2]), math.cos(gap[2]))
-        return now + part * gap, block.inputs[row, 0]
 
     def ahead(self, k: int) -> HorizonReference:
         """The reference from tick k on, by the robot's reference time."""

@@ -8,7 +8,7 @@ from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.task import Task
 from agents.kernels.attend import attend
 from agents.kernels.waiting import CARRIED_TICKS, FRESH
-from agents.kernels.waiting_state import AWAY, INTEGRAL, NEED, RATE, SHORT, WAITS, FlatWait, start, view
+from agents.kernels.waiting_state import AWAY, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, FlatWait, start, view
 from formation.arrays import FloatArray
 
 NOTHING_NEW: FloatArray = np.zeros((0, 4))
@@ -70,13 +70,18 @@ class Waiting:
         if not state.whole[WAITS]:
             state.whole[AWAY] = max(int(state.whole[AWAY]), k + CARRIED_TICKS)
 
-    def rest(self, k: int) -> None:
-        """Declare no need at tick k: a lost robot would hold everybody back, and the clock runs on."""
-        state = view(self.memory)
+    def lose(self, k: int) -> None:
+        """The robot is lost at tick k: it declares no need, or stands still and has all others wait for it."""
+        state, task = view(self.memory), self._task
         real, whole = state.real, state.whole
-        real[NEED] = real[RATE] = real[INTEGRAL] = real[SHORT] = 0.0
+        need = max(float(real[NEED]), task.lag) + self._step if task.waits_for_lost else 0.0
+        real[NEED], real[RATE] = need, float(task.waits_for_lost)
+        real[INTEGRAL] = real[SHORT] = 0.0
         whole[WAITS] = 0
-        state.news[self._row] = (0.0, 0.0, float(k))
+        state.news[self._row] = (need, real[RATE], float(k))
+        if task.waits_for_lost:
+            real[LAG], real[PACE] = need, 0.0
+            task.lag, task.pace = need, 0.0
 
     def _heard(self, neighbour: NeighborEstimate | None, at: float) -> tuple[FloatArray, bool]:
         """A neighbour's news; whether its newest plan says that it waits."""

@@ -154,21 +154,26 @@ def plan_response(
     """
     steps = len(inputs)
     own, targets, nominal = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 2))
-    own[:] = slots[:, OWN]
-    targets[:] = inputs[:, OWN]
-    nominal[:] = targets
+    for j in range(steps + 1):
+        own[j, 0], own[j, 1], own[j, 2] = slots[j, OWN, 0], slots[j, OWN, 1], slots[j, OWN, 2]
+    for j in range(steps):
+        for c in range(2):
+            targets[j, c] = nominal[j, c] = inputs[j, OWN, c]
     if begun:
         shift(last, moved_on, interval, targets, nominal)
-    direction, error, edge = np.zeros((2, steps + 1, 2)), np.zeros((2, steps + 1)), np.array([up_edge, down_edge])
+    direction, error = np.zeros((2, steps + 1, 2)), np.zeros((2, steps + 1))
+    edge, drift, start = np.empty(2), np.empty(2), np.empty(5)
+    edge[0], edge[1] = up_edge, down_edge
     if up_edge > 0.0:
         errors_along(up_pose, up_inputs, up_drift, slots[:, UPSTREAM], own, interval, direction[0], error[0])
     if down_edge > 0.0:
         errors_along(down_pose, down_inputs, down_drift, slots[:, DOWNSTREAM], own, interval, direction[1], error[1])
     lateral, theta = disturbance[1], pose[2]
-    drift = np.array([-lateral * math.sin(theta), lateral * math.cos(theta)])
+    drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
     if lateral != 0.0:
         _turned(own, targets, lateral)
-    start = np.array([pose[0], pose[1], pose[2], speed[0] + disturbance[0], speed[1] + disturbance[2]])
+    start[0], start[1], start[2] = pose[0], pose[1], pose[2]
+    start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
     goals, stage = Targets(own, targets, direction, error, drift), Stage(place, edge, 1.0, costs, limits)
     change = respond(start, nominal, goals, stage, Lag(keep, blend), interval, work, out, motion)
     converged = math.isfinite(change)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.jit import kernel
+from agents.kernels.views import shaped
 from agents.kernels.window.state import LENGTH
 from formation.arrays import FloatArray
 
@@ -57,12 +58,12 @@ _SUMS, COMMANDS = 10, 10 + 2 * CANDIDATES
 def _motors_of(flat: FloatArray) -> Motors:
     """The motors that lie in one array, as views of it: compiled code takes that array."""
     return Motors(
-        flat[:4],
-        flat[4:6],
-        flat[6:8],
-        flat[8:_SUMS],
-        flat[_SUMS:COMMANDS].reshape((CANDIDATES, 2)),
-        flat[COMMANDS : COMMANDS + 2 * LENGTH].reshape((LENGTH, 2)),
+        shaped(flat, 0, (4,)),
+        shaped(flat, 4, (2,)),
+        shaped(flat, 6, (2,)),
+        shaped(flat, 8, (2,)),
+        shaped(flat, _SUMS, (CANDIDATES, 2)),
+        shaped(flat, COMMANDS, (LENGTH, 2)),
     )
 
 

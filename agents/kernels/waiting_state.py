@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.jit import kernel
+from agents.kernels.views import shaped
 from formation.arrays import FloatArray, IntArray
 
 PAST = 16
@@ -58,13 +59,13 @@ def _wait_of(real: FloatArray, whole: IntArray) -> Wait:
     a = 13 + 2 * steps
     b = a + 3 * robots
     return Wait(
-        real[:8],
-        whole[2:8],
-        real[8:11],
-        real[13:a].reshape((steps, 2)),
-        real[11:13],
-        real[a:b].reshape((robots, 3)),
-        real[b : b + 3 * PAST].reshape((PAST, 3)),
+        shaped(real, 0, (8,)),
+        shaped(whole, 2, (6,)),
+        shaped(real, 8, (3,)),
+        shaped(real, 13, (steps, 2)),
+        shaped(real, 11, (2,)),
+        shaped(real, a, (robots, 3)),
+        shaped(real, b, (PAST, 3)),
     )
 
 

@@ -10,7 +10,7 @@ from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, 
 from dashboard.requests import RequestQueue
 from dashboard.theme.templates import render
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault
-from formation.link_ids import LinkId, plan_links
+from formation.link_ids import DRIVING, LinkId, plan_links
 from network.control import SetPreset
 from network.messages import State
 
@@ -26,7 +26,7 @@ class FaultPanel:
 
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         self._requests = requests
-        self._robots = 0
+        self._robots, self._driven = 0, False
         self._sliders: dict[str, MirroredControl] = {}
         with gui.add_folder("Communication faults"):
             self._target: Any = gui.add_dropdown("Target", (ALL,), initial_value=ALL)
@@ -61,11 +61,12 @@ class FaultPanel:
     def target(self) -> tuple[str, ...]:
         """Names of the links that are the target, as in the world; none if a page sent a target that is not offered."""
         label = self._target.value
-        return targets(self._robots).get(label, ()) if label in self._target.options else ()
+        return targets(self._robots, driven=self._driven).get(label, ()) if label in self._target.options else ()
 
     def choose(self, verb: str, number: int) -> None:
-        """Choose the target: "link" with this sender in the ring, "both" links of this robot, or "all"."""
-        label = {"link": arrow(LinkId.plans_from(number, self._robots)), "both": f"Robot {number}: from and to"}
+        """Choose the target: "link" with this sender in the ring, "both" links of this robot, "driver", or "all"."""
+        link = arrow(LinkId.plans_from(number, self._robots))
+        label = {"driver": arrow(DRIVING), "link": link, "both": f"Robot {number}: from and to"}
         chosen = label.get(verb, ALL)
         if chosen in self._target.options:
             self._target.value = chosen
@@ -95,10 +96,10 @@ class FaultPanel:
 
     # ------------------------------------------------------------------ from the world to the panel
 
-    def draw(self, state: State) -> None:
-        """Show the faults in force in the world."""
-        self._robots = len(state.poses)
-        set_options(self._target, tuple(targets(self._robots)))
+    def draw(self, state: State, *, driven: bool) -> None:
+        """Show the faults in force in the world, of a path that is driven or not."""
+        self._robots, self._driven = len(state.poses), driven
+        set_options(self._target, tuple(targets(self._robots, driven=driven)))
         set_if_changed(self._in_force, "content", in_force(state.faults))
         fault = worst(state.faults, self.target, self._robots)
         self._cut.show(bool(fault["cut"]))
@@ -115,13 +116,15 @@ def in_force(faults: Mapping[LinkId, Fault]) -> str:
     return render("panels/faults_in_force.html", faults=sorted(faults.items()))
 
 
-def targets(robots: int) -> dict[str, tuple[str, ...]]:
+def targets(robots: int, *, driven: bool = False) -> dict[str, tuple[str, ...]]:
     """Labels of the targets that can be chosen, and the names of their links."""
+    orders = {arrow(DRIVING): (str(DRIVING),)} if driven else {}
     numbers = range(1, robots + 1)
     own = [*(LinkId.poses_to(i) for i in numbers), *(LinkId.commands_from(i) for i in numbers)]
     return {
         ALL: ("all",),
         **{arrow(link): (str(link),) for link in plan_links(robots)},
+        **orders,
         **{
             f"Robot {i}: from and to": (str(LinkId.plans_to(i, robots)), str(LinkId.plans_from(i, robots)))
             for i in numbers

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from dashboard.panels.clickable import Clickable
-from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.links import LinkView, driver_link
 from dashboard.telemetry.subscriber import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import hue
@@ -22,7 +22,7 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
     Args:
         snapshot: what is known.
         links: of the ring.
-        clickable: takes "link" with a sender, "both" with a robot, "all" with 0.
+        clickable: takes "link" with a sender, "both" with a robot, "all" with 0, "driver" with 1.
         target: names of the links that are the target now; "all" for all of the ring's.
     """
     if snapshot.state is None:
@@ -30,8 +30,10 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
     n = len(snapshot.state.poses)
     numbers = range(1, n + 1)
     both = {i: {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))} for i in numbers}
+    driven = snapshot.scenario is not None and snapshot.scenario.driven
     return render(
         "panels/link_matrix.html",
+        driver=driver_link(snapshot.state, snapshot.statuses) if driven else None,
         numbers=numbers,
         few=n <= MATRIX_ROBOTS,
         links={link.id: link for link in links},

@@ -13,8 +13,9 @@ from dashboard.scenario_list import ScenarioList
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.subscriber import Snapshot
+from dashboard.theme.templates import render
 from formation.errors import ScenarioError
-from formation.scenario.registry import live, names
+from formation.scenario.registry import live, names, told
 from network.control import Clear, Compare, Operation, Pause, Reset, Speed, Start, Step, UseController
 from network.messages import State
 
@@ -47,6 +48,7 @@ class RunPanel:
         self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
         self._controller = MirroredControl(gui.add_dropdown("Controller", live()))
+        self._left_out = gui.add_html("")
         self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *names()), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
@@ -106,12 +108,21 @@ class RunPanel:
             self._toggle.label = label
             self._toggle.icon = icon
         self._show_scenario(snapshot, state)
-        _offer(self._controller, live())
-        _offer(self._compare, names())
+        self._offer_controllers(snapshot, state)
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
         set_if_changed(self._comparison, "content", comparison(state, history))
         _show(self._speed, _speed_name(state))
+
+    def _offer_controllers(self, snapshot: Snapshot, state: State) -> None:
+        """Offer the controllers that can run this scenario, and say why others are left out."""
+        scenario = snapshot.scenario
+        fits = told() if scenario is not None and scenario.path.known_to == "leader" else names()
+        lives = tuple(name for name in live() if name in fits)
+        _offer_only(self._controller, lives, state.controller)
+        _offer_only(self._compare, (NO_GHOST, *fits), state.compare or NO_GHOST)
+        missing = ", ".join(name for name in live() if name not in fits)
+        set_if_changed(self._left_out, "content", render("panels/left_out.html", missing=missing) if missing else "")
 
     def _show_scenario(self, snapshot: Snapshot, state: State) -> None:
         if monotonic() - self._refreshed >= REFRESH_SECONDS:
@@ -144,14 +155,13 @@ def _speed_name(state: State) -> str:
     return names[0] if names else f"{state.speed:g} x"
 
 
-def _offer(dropdown: MirroredControl, values: tuple[str, ...]) -> None:
-    """Add what the dropdown does not offer yet: controllers of the run's users own."""
-    more = tuple(value for value in values if value not in dropdown.control.options)
-    if more:
-        dropdown.control.options = (*dropdown.control.options, *more)
+def _offer_only(dropdown: MirroredControl, values: tuple[str, ...], now: str) -> None:
+    """Offer these values, and the world's value even if it is none of them."""
+    set_if_changed(dropdown.control, "options", values if now in values else (*values, now))
 
 
 def _show(dropdown: MirroredControl, value: str) -> None:
     """Show the world's value, also if the dropdown does not offer it."""
-    _offer(dropdown, (value,))
+    if value not in dropdown.control.options:
+        dropdown.control.options = (*dropdown.control.options, value)
     dropdown.show(value)

@@ -147,6 +147,9 @@ class Cameras:
             page.fit_at = [monotonic() + pause for pause in (0.0, 0.7, 2.0)]
 
     def _fit(self, page: _PageCamera, scenario: Scenario) -> None:
+        if scenario.driven:  # there is no path to be shown before it is driven
+            self._follow(page, 0)
+            return
         low, high = _bounds(scenario)
         aspect = page.client.camera.aspect
         width, height = high - low
@@ -182,7 +185,7 @@ class Cameras:
     @staticmethod
     def _wide(scenario: Scenario) -> bool:
         low, high = _bounds(scenario)
-        return bool((high - low).max() > WIDE_METRES)
+        return scenario.driven or bool((high - low).max() > WIDE_METRES)
 
     # ------------------------------------------------------------------ pages come and go
 

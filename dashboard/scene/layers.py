@@ -135,6 +135,21 @@ def held_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> lis
     return [_of(i, statuses[other].held if other in statuses else None, episode) for i, other in receivers]
 
 
+def preview(plan: Plan | None, steps: int, z: float) -> FloatArray:
+    """(steps, 2, 3): where robot 1 says that the formation's centre will be; nothing to be seen if it says nothing."""
+    line = np.zeros((steps + 1, 2))
+    if plan is not None and len(plan.way):
+        line[:] = plan.way[-1, 2:4]
+        line[: len(plan.way)] = plan.way[: steps + 1, 2:4]
+    return geometry.lifted(np.stack([line[:-1], line[1:]], axis=1), z)
+
+
+def goal(place: tuple[float, float] | None, size: float, z: float) -> FloatArray:
+    """(2, 2, 3): a cross where the centre is driving to; nothing to be seen if nowhere [m]."""
+    arms = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]]) * (0.0 if place is None else size)
+    return geometry.lifted(arms + np.array(place or (0.0, 0.0)), z)
+
+
 def _of(robot: int, plan: Plan | None, episode: int) -> Plan | None:
     """The plan, if it is this robot's and of this episode."""
     return plan if plan is not None and (plan.sender, plan.episode) == (robot, episode) else None

@@ -81,5 +81,8 @@ def scenario_nodes(
         "/bodies": meshes(scene, "/bodies", geometry.teardrop(length, width), n),
         "/numbers": segments("/numbers", strokes, number, 2.0),
     }
+    if scenario.path.known_to == "leader":
+        made["/preview"] = segments("/preview", steps, colours.mix(hue[0], 0.6, palette), 6.0)
+        made["/goal"] = segments("/goal", 2, hue[0], 2.6)
     made["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
     return made

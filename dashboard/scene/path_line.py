@@ -11,7 +11,9 @@ DASH = 0.02
 
 
 def path_points(scenario: Scenario) -> FloatArray:
-    """Points (1001, 2) of the reference path, once around or over the episode [m]."""
+    """Points (1001, 2) of the reference path, once around or over the episode; where it begins, if it is driven [m]."""
+    if scenario.driven:
+        return np.array([scenario.path.position(np.array(0.0))])
     period = scenario.path.period
     seconds = scenario.duration if period is None else period
     return scenario.path.position(np.linspace(0.0, seconds, 1001))

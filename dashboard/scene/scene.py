@@ -177,6 +177,10 @@ class Scene:
             layers.own_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps, snapshot.stamp
         )
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
+        if "/preview" in self._nodes:
+            said = layers.own_plans(snapshot.statuses, n, state.episode)[0]
+            self._nodes["/preview"].points = layers.preview(said, steps, z(1))
+            self._nodes["/goal"].points = layers.goal(state.driving.goal, 0.03 * self._sizes.unit, z(8))
         held = layers.horizons(layers.held_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps)
         dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]
         self._nodes["/beliefs"].points = dashes.reshape(-1, 2, 3)

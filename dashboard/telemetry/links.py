@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from formation.faults import PERFECT, Fault
-from formation.link_ids import LinkId, plan_links
+from formation.link_ids import DRIVING, LinkId, plan_links
 from network.messages import State, Status
 from network.topics import STATUS
 from network.values import LinkCounts
@@ -68,6 +68,16 @@ class LinkView:
 def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
     """Every link of the ring, ordered by sender."""
     return [_link(state, statuses, link) for link in plan_links(len(state.poses))]
+
+
+def driver_link(state: State, statuses: Mapping[int, Status]) -> LinkView:
+    """The link over which robot 1 hears its driver."""
+    status = statuses.get(DRIVING.receiver)
+    known = status is not None and status.episode == state.episode
+    age = status.way_age if status is not None and known else None
+    return LinkView(
+        DRIVING, age, state.faults.get(DRIVING, PERFECT), LinkCounts(), deaf=DRIVING.receiver not in state.live
+    )
 
 
 def _link(state: State, statuses: Mapping[int, Status], link: LinkId) -> LinkView:

@@ -20,7 +20,21 @@ from typing import Any
 from formation.loading.source import read
 
 PREFIX = "echelon_own_"
-OURS = frozenset({"echelon", "formation", "network", "agents", "world", "dashboard", "runtime", "experiments", "api"})
+OURS = frozenset(
+    {
+        "echelon",
+        "formation",
+        "network",
+        "agents",
+        "world",
+        "records",
+        "dashboard",
+        "runtime",
+        "experiments",
+        "api",
+        "cli",
+    }
+)
 """Never sought beside a file: what the product hands out must be the product's own."""
 _numbers = itertools.count(1)
 _folders: dict[str, "Folder"] = {}

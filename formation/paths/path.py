@@ -13,6 +13,8 @@ class Path(Model):
 
     known_to: Literal["all", "leader"] = "all"
     """Who evaluates it: every robot, or robot 1 alone, whose preview the others pass on round the ring."""
+    wait_for_lost: bool = False
+    """Whether all robots wait while one of them is not told the path any more; only with known_to = "leader"."""
     lengths: ClassVar[tuple[str, ...]] = ()
     """Keys that are lengths or speeds: a path with all of them twice as large is twice as large, in the same time."""
 

@@ -18,7 +18,7 @@ def _controller(given: object) -> object:
     table = {"name": DEFAULT, **given}
     spec = CONTROLLERS.get(table["name"]) if isinstance(table["name"], str) else None
     if spec is None:
-        raise mistake("name", unknown_controller(str(table["name"])).partition(": ")[2])
+        raise mistake("name", unknown_controller(str(table["name"])).partition(": ")[2], CONTROLLERS)
     try:
         return spec.options.model_validate(table)
     except ValidationError as error:  # its mistakes become those of the scenario

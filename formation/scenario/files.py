@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from formation.errors import ScenarioError, unknown
+from formation.errors import Line, ScenarioError, unknown
 from formation.paths.files import text_of, with_files
 from formation.scenario.fitting import factor, scaled, too_narrow, with_limits
 from formation.scenario.overrides import DEEPEST, Overrides, from_settings, is_deep, merged
@@ -68,6 +68,12 @@ def is_file(name: str) -> bool:
     return name.lower().endswith((".toml", ".json")) or "/" in name
 
 
+def _first(lines: list[str]) -> Line:
+    """The first line; one that only has text begins with its key."""
+    line = lines[0]
+    return line if isinstance(line, Line) else Line(line, line.partition(":")[0].removeprefix("file"))
+
+
 def parse(
     raw: Overrides,
     overrides: Overrides | Iterable[str] = (),
@@ -101,8 +107,9 @@ def parse(
                 raise ScenarioError(f"{where}: {too_narrow(scenario, by)}")
             scenario = Scenario.model_validate(scaled(scenario, by))
     except ValidationError as error:
-        lines = [line.removeprefix("file: ") for line in problems(error, Scenario)]
-        raise ScenarioError("\n".join(f"{where}: {line}" for line in lines)) from None
+        found = problems(error, Scenario)
+        lines = [line.removeprefix("file: ") for line in found]
+        raise ScenarioError("\n".join(f"{where}: {line}" for line in lines), of=_first(found)) from None
     size = len(scenario.model_dump_json(exclude_unset=True))
     if size > MAX_SCENARIO:
         raise ScenarioError(

@@ -133,7 +133,7 @@ def check_name(name: str, *others: str) -> str:
 def unknown_controller(name: str, *others: str) -> str:
     """Text for a controller that this process does not know."""
     text = unknown("controller.name", name, [*names(), *others])
-    return f"{text}; code of your own is named on the command line: --controller FILE.py:CLASS"
+    return text + "; code of your own is named on the command line: --controller FILE.py:CLASS"
 
 
 def refusal(name: str) -> ScenarioError:

@@ -81,6 +81,11 @@ class Scenario(Model):
                 f"path.known_to: {self.controller.name} needs the path in every robot: expected {other}, or a "
                 f"controller that follows what it is told ({', '.join(told())})"
             )
+        if self.path.wait_for_lost and not self._waits_for_lost:
+            raise ValueError(
+                'path.wait_for_lost: expected known_to = "leader", a path that is not driven, and nash with game = '
+                f'"response", which can wait; got {self.path.kind}, {self.path.known_to}, {self.controller.name}'
+            )
         poses = self.robots.poses
         if poses is not None and len(poses) != self.size:
             raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
@@ -167,6 +172,12 @@ class Scenario(Model):
     @cached_property
     def _offsets(self) -> Offsets:
         return Offsets(self.formation, self.path)
+
+    @property
+    def _waits_for_lost(self) -> bool:
+        """Whether there is a time that all can wait by: a user drives on by the clock."""
+        waits = isinstance(self.controller, NashOptions) and self.controller.game == "response"
+        return waits and self.path.known_to == "leader" and not self.driven
 
     @property
     def driven(self) -> bool:

@@ -7,7 +7,7 @@ import pytest
 
 from dashboard.requests import RequestQueue
 from network.bus import Bus
-from network.control import Pause, SetFault
+from network.control import Drive, Pause, SetFault
 from network.messages import Reply
 from tests.dashboard.fakes import FakeTelemetry, world
 
@@ -80,3 +80,17 @@ def test_of_a_dragged_slider_only_the_last_value_is_requested_and_in_order() -> 
     requests.stop()
     assert asked[:2] == [SetFault(link=link, changes={"loss": 0.3}) for link in ("1->2", "2->3")]
     assert asked[2] == Pause()
+
+
+def test_of_orders_that_wait_the_newest_is_sent() -> None:
+    """A page says ten times a second what is held; a world that answers late gets the last word, not the first ones."""
+    session, asked = world(Reply(True))
+    requests = RequestQueue(session, FakeTelemetry(), lambda *_: None)  # type: ignore[arg-type]
+    for v in (0.1, 0.2, 0.3):
+        requests.steer(Drive(v=v, omega=0.0, seconds=0.3), 1)
+    requests.start()
+    wait_until(lambda: bool(asked))
+    requests.steer(Drive(v=0.0, omega=0.0, seconds=0.3), 1)
+    wait_until(lambda: len(asked) == 2)
+    requests.stop()
+    assert [order.v for order in asked if isinstance(order, Drive)] == [0.3, 0.0]

@@ -76,3 +76,30 @@ def test_a_recorder_that_died_goes_on_in_another_file(up: Callable[..., Up], tmp
     assert read.sound
     assert read.episodes[0].ticks[0] > 0
     assert "every bit is equal" in echelon("verify", str(second)).stdout
+
+
+MINE = """
+import numpy as np
+
+class Mine:
+    def __init__(self, task, options):
+        pass
+
+    def plan(self, observation):
+        return np.tile([0.05, 0.1], (20, 1))
+"""
+
+
+@pytest.mark.usefixtures("runs")
+def test_a_record_of_an_own_controller_is_verified_with_that_very_text_only(tmp_path: Path) -> None:
+    mine, file = tmp_path / "mine.py", str(tmp_path / "run.mcap")
+    mine.write_text(MINE)
+    own = ("--controller", f"{mine}:Mine")
+    echelon("run", "triangle-circle", "--engine", "inprocess", "--duration", "1", *own, f"--record={file}", "--json")
+    assert "every bit is equal" in echelon("verify", file, *own).stdout
+    refused = echelon("verify", file, check=2)
+    mine.write_text(MINE.replace("0.1", "0.2"))
+    changed = echelon("verify", file, *own, check=2)
+    for done in (refused, changed):
+        assert not done.stdout
+        assert "controller Mine: expected mine.py:Mine of SHA-256" in done.stderr

@@ -13,7 +13,9 @@ from formation.scenario.scenario import Scenario
 from network.codec import decode as decoded
 from network.messages import Command, Plan, Tick
 from network.stretch import Stretch
+from records.file import RecordFile
 from records.record import Record, load
+from records.recorder import Recorder
 from runtime.inprocess import Simulation
 from tests.exceptions import needs
 from tests.records.recorded import STARTED, record, scenario
@@ -229,3 +231,18 @@ def test_a_new_episode_begins_with_its_scenario_again() -> None:
     assert (again.episode, again.first) == (world.episode, 0)
     assert again.scenario
     assert [order.number for stretch in stretches(world, journal, 10) for order in stretch.orders] == [0]
+
+
+def test_each_episode_of_a_record_has_its_own_ticks(tmp_path: Path) -> None:
+    world = World(scenario())
+    journal = Journal(world, wanted=True)
+    with RecordFile(tmp_path / "two.mcap") as file:
+        recorder = Recorder(file, "run", STARTED)
+        for ticks in (73, 40):
+            for stretch in [journal.take(), *stretches(world, journal, ticks), journal.take(all_of_it=True)]:
+                if stretch is not None:
+                    recorder.take(stretch)
+            world.reset()
+    first, second = load(tmp_path / "two.mcap").episodes
+    assert (first.ticks, second.ticks) == (list(range(74)), list(range(41)))
+    assert first.ends < second.begins

@@ -10,7 +10,7 @@ import pytest
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
-from network.control import Drive, GetOrders, GoTo, Operation, Orders, UseController
+from network.control import Compare, Drive, GetOrders, GoTo, Operation, Orders, UseController
 from runtime import inprocess
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
@@ -178,5 +178,7 @@ def test_a_reset_begins_without_the_orders_of_before() -> None:
 
 
 def test_a_controller_that_needs_the_path_is_refused_while_it_is_driven() -> None:
+    with pytest.raises(EchelonError, match="needs the path in every robot"):
+        control(World(drive_me())).obey(Compare(controller="paper"))
     with pytest.raises(EchelonError, match="needs the path in every robot"):
         control(World(drive_me())).obey(UseController(controller="virtual_structure"))

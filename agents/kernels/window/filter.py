@@ -121,14 +121,12 @@ def newest_rows(w: Window, hops: int, out: FloatArray) -> int:
             row = t % LENGTH
             located, related = w.localised_at[h, row] == t, w.related_at[h, row] == t
             if located or related:
-                out[count] = 0.0
                 out[count, 0], out[count, 1] = h, t
-                if located:
-                    out[count, 2] = 1.0
-                    out[count, 3:6] = w.localised[h, row]
-                if related:
-                    out[count, 6] = 1.0
-                    out[count, 7:9] = w.related[h, row]
+                out[count, 2], out[count, 6] = 1.0 if located else 0.0, 1.0 if related else 0.0
+                for c in range(3):
+                    out[count, 3 + c] = w.localised[h, row, c] if located else 0.0
+                for c in range(2):
+                    out[count, 7 + c] = w.related[h, row, c] if related else 0.0
                 count += 1
                 found += 1
             t -= 1

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.jit import kernel
+from agents.kernels.views import shaped
 from formation.arrays import FloatArray, IntArray
 from formation.bodies.nominal import Nominal
 
@@ -29,6 +30,8 @@ class Core(NamedTuple):
     """(W, 5) of normalised innovations: forward, lateral, heading, and forward and lateral of relative sensing."""
     rejected: IntArray
     """(W, 2) rejections in a row: localisation, relative."""
+    state: FloatArray
+    """(6 W,) the numbers of `mean` in a row."""
 
 
 class Window(NamedTuple):
@@ -64,6 +67,9 @@ class Window(NamedTuple):
     """(1,) newest own stamp, of localisation or relative sensing."""
     alarm: IntArray
     """(1,) stamp of the newest own alarm."""
+    base_state: FloatArray
+    copy_state: FloatArray
+    """(6 W,) the numbers of `base_mean` and of `copy_mean` in a row."""
 
 
 class FlatWindow(NamedTuple):
@@ -85,33 +91,38 @@ def _window_of(real: FloatArray, whole: IntArray) -> Window:
     """The window that lies in the arrays of a FlatWindow; its arrays are views of them."""
     w = whole[0]
     n = 6 * w
-    core = n + n * n + 5 * w
-    a, b = core, 2 * core
-    c = b + w * LENGTH * 2
-    d = c + w * 3
-    e = d + w * LENGTH * 3
-    i, j = 2 + 2 * w, 3 + 4 * w
-    k, o = j + w, j + w + w * LENGTH
+    size = n + n * n + 5 * w
+    odometry = 2 * size
+    sums = odometry + w * LENGTH * 2
+    localised = sums + w * 3
+    related = localised + w * LENGTH * 3
+    copied = 2 + 2 * w
+    until = copied + 1 + 2 * w
+    localised_at = until + w
+    related_at = localised_at + w * LENGTH
+    newest = related_at + w * LENGTH
     return Window(
-        whole[1:2],
-        real[:n].reshape((w, 6)),
-        real[n : n + n * n].reshape((n, n)),
-        real[n + n * n : a].reshape((w, 5)),
-        whole[2:i].reshape((w, 2)),
-        whole[i : i + 1],
-        real[a : a + n].reshape((w, 6)),
-        real[a + n : a + n + n * n].reshape((n, n)),
-        real[a + n + n * n : b].reshape((w, 5)),
-        whole[i + 1 : j].reshape((w, 2)),
-        real[b:c].reshape((w, LENGTH, 2)),
-        whole[j:k],
-        real[c:d].reshape((w, 3)),
-        real[d:e].reshape((w, LENGTH, 3)),
-        whole[k:o].reshape((w, LENGTH)),
-        real[e : e + w * LENGTH * 2].reshape((w, LENGTH, 2)),
-        whole[o : o + w * LENGTH].reshape((w, LENGTH)),
-        whole[o + w * LENGTH : o + w * LENGTH + 1],
-        whole[o + w * LENGTH + 1 : o + w * LENGTH + 2],
+        shaped(whole, 1, (1,)),
+        shaped(real, 0, (w, 6)),
+        shaped(real, n, (n, n)),
+        shaped(real, n + n * n, (w, 5)),
+        shaped(whole, 2, (w, 2)),
+        shaped(whole, copied, (1,)),
+        shaped(real, size, (w, 6)),
+        shaped(real, size + n, (n, n)),
+        shaped(real, size + n + n * n, (w, 5)),
+        shaped(whole, copied + 1, (w, 2)),
+        shaped(real, odometry, (w, LENGTH, 2)),
+        shaped(whole, until, (w,)),
+        shaped(real, sums, (w, 3)),
+        shaped(real, localised, (w, LENGTH, 3)),
+        shaped(whole, localised_at, (w, LENGTH)),
+        shaped(real, related, (w, LENGTH, 2)),
+        shaped(whole, related_at, (w, LENGTH)),
+        shaped(whole, newest, (1,)),
+        shaped(whole, newest + 1, (1,)),
+        shaped(real, 0, (n,)),
+        shaped(real, size, (n,)),
     )
 
 
@@ -135,23 +146,28 @@ def view(flat: FlatWindow) -> Window:
 @kernel
 def base(w: Window) -> Core:
     """The part that every measurement before its stamp has gone into."""
-    return Core(w.base_tick, w.base_mean, w.base_cov, w.base_ewma, w.base_rejected)
+    return Core(w.base_tick, w.base_mean, w.base_cov, w.base_ewma, w.base_rejected, w.base_state)
 
 
 @kernel
 def estimate(w: Window) -> Core:
     """The part that stands at the own newest stamp: the estimate."""
-    return Core(w.copy_tick, w.copy_mean, w.copy_cov, w.copy_ewma, w.copy_rejected)
+    return Core(w.copy_tick, w.copy_mean, w.copy_cov, w.copy_ewma, w.copy_rejected, w.copy_state)
 
 
 @kernel
 def copy(source: Core, to: Core) -> None:
-    """Overwrite a core by another."""
-    to.tick[:] = source.tick
-    to.mean[:] = source.mean
-    to.cov[:] = source.cov
-    to.ewma[:] = source.ewma
-    to.rejected[:] = source.rejected
+    """Overwrite a core by another. Loops: numba copies slices by way of a third array."""
+    to.tick[0] = source.tick[0]
+    for i in range(len(to.state)):
+        to.state[i] = source.state[i]
+        for j in range(len(to.state)):
+            to.cov[i, j] = source.cov[i, j]
+    for h in range(len(to.ewma)):
+        for c in range(5):
+            to.ewma[h, c] = source.ewma[h, c]
+        for c in range(2):
+            to.rejected[h, c] = source.rejected[h, c]
 
 
 def start(slots: FloatArray, sigmas: FloatArray, tick: int = 0) -> FlatWindow:

@@ -74,24 +74,22 @@ def predict(
 @kernel
 def scalar(core: Core, index: int, value: float, var: float) -> None:
     """Update by a measurement of one state; `value` is the innovation."""
-    p = core.cov
+    p, flat = core.cov, core.state
     size = len(p)
-    flat = core.mean.reshape(size)
     scale = 1.0 / (p[index, index] + var)
-    for a in range(size):
-        if a != index:
-            gain = p[a, index] * scale
-            if gain != 0.0:
-                for b in range(size):
-                    if b != index:
-                        p[a, b] -= gain * p[index, b]
-                flat[a] += gain * value
     shrink = var * scale
+    for a in range(size):
+        along = p[a, index]
+        if a != index and along != 0.0:
+            gain = along * scale
+            for b in range(size):
+                p[a, b] -= gain * p[index, b]
+            flat[a] += gain * value
+            p[a, index] = along
     flat[index] += (1.0 - shrink) * value
     for a in range(size):
         p[a, index] *= shrink
-        if a != index:
-            p[index, a] = p[a, index]
+        p[index, a] = p[a, index]
 
 
 @kernel
@@ -142,19 +140,17 @@ def relate(core: Core, h: int, g: int, z: FloatArray, q: Tuning) -> bool:
     hx, hy = c * dx + s * dy, c * dy - s * dx
     n0, n1 = z[0] - hx, z[1] - hy
     oh, og = 6 * h, 6 * g
-    s00, s01, s11 = q.var_relative, 0.0, q.var_relative
-    # Rows of H: (-c, -s, hy) and (s, -c, -hx) on block h, (c, s) and (-s, c) on block g.
-    for k in range(2):
-        for j in range(5):
-            i = oh + j if j < 3 else og + j - 3
-            ck = (-c, -s, hy, c, s)[j] if k == 0 else (s, -c, -hx, -s, c)[j]
-            u0 = -c * p[i, oh] - s * p[i, oh + 1] + hy * p[i, oh + 2] + c * p[i, og] + s * p[i, og + 1]
-            u1 = s * p[i, oh] - c * p[i, oh + 1] - hx * p[i, oh + 2] - s * p[i, og] + c * p[i, og + 1]
-            if k == 0:
-                s00 += ck * u0
-                s01 += ck * u1
-            else:
-                s11 += ck * u1
+    # Rows of H: (-c, -s, hy) and (s, -c, -hx) on block h, (c, s) and (-s, c) on block g. First P H'.
+    u0, u1 = np.empty(size), np.empty(size)
+    for i in range(size):
+        x, y, turn = p[i, og] - p[i, oh], p[i, og + 1] - p[i, oh + 1], p[i, oh + 2]
+        u0[i] = c * x + s * y + hy * turn
+        u1[i] = c * y - s * x - hx * turn
+    # Then S = H P H' + R, and from its LDL' factors the innovations where it is diagonal.
+    x, y = u0[og] - u0[oh], u0[og + 1] - u0[oh + 1]
+    s00, s01 = c * x + s * y + hy * u0[oh + 2] + q.var_relative, c * y - s * x - hx * u0[oh + 2]
+    x, y = u1[og] - u1[oh], u1[og + 1] - u1[oh + 1]
+    s11 = c * y - s * x - hx * u1[oh + 2] + q.var_relative
     ratio = s01 / s00
     d1 = s11 - ratio * s01
     e1 = n1 - ratio * n0
@@ -162,30 +158,18 @@ def relate(core: Core, h: int, g: int, z: FloatArray, q: Tuning) -> bool:
         core.rejected[h, 1] += 1
         return False
     core.rejected[h, 1] = 0
-    flat = core.mean.reshape(size)
-    # Both rows at once: K = P H' S^-1 in the basis where S is diagonal.
-    u = core.cov @ _rows(size, oh, og, c, s, hx, hy)
     for i in range(size):
-        u[i, 1] -= ratio * u[i, 0]
+        u1[i] -= ratio * u0[i]
     for i in range(size):
-        k0, k1 = u[i, 0] / s00, u[i, 1] / d1
-        flat[i] += k0 * n0 + k1 * e1
+        k0, k1 = u0[i] / s00, u1[i] / d1
+        core.state[i] += k0 * n0 + k1 * e1
         for j in range(size):
-            p[i, j] -= k0 * u[j, 0] + k1 * u[j, 1]
+            p[i, j] -= k0 * u0[j] + k1 * u1[j]
     if not q.detects:
         return False
     found = detect(core, h, 3, n0 / math.sqrt(s00), h, g, q)
     found |= detect(core, h, 4, e1 / math.sqrt(d1), h, g, q)
     return bool(found)
-
-
-@kernel
-def _rows(size: int, oh: int, og: int, c: float, s: float, hx: float, hy: float) -> FloatArray:
-    """H' (size, 2) of relative sensing."""
-    out = np.zeros((size, 2))
-    out[oh, 0], out[oh + 1, 0], out[oh + 2, 0], out[og, 0], out[og + 1, 0] = -c, -s, hy, c, s
-    out[oh, 1], out[oh + 1, 1], out[oh + 2, 1], out[og, 1], out[og + 1, 1] = s, -c, -hx, -s, c
-    return out
 
 
 @kernel

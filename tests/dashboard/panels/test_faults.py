@@ -11,9 +11,12 @@ from tests.builders import state
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
     for robots in (2, 3, 16):
-        for links in faults.targets(robots).values():
-            for link in links:
-                assert links_named(link, robots)
+        for driven in (False, True):
+            for links in faults.targets(robots, driven=driven).values():
+                for link in links:
+                    assert links_named(link, robots, driven=driven)
+    assert "driver → 1" in faults.targets(3, driven=True)
+    assert "driver → 1" not in faults.targets(3)
 
 
 def test_the_panel_shows_the_worst_of_the_chosen_links() -> None:
@@ -30,5 +33,5 @@ def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, cho
     panel._target.value = choice
     assert list(panel.target) == []
     assert faults.worst({LinkId(1, 2): Fault(loss=1.0)}, panel.target, 3)["loss"] == 0.0
-    panel.draw(state())
+    panel.draw(state(), driven=False)
     assert list(panel.target) == ["all"]

@@ -1,0 +1,176 @@
+"""What came of an episode, as arrays with shapes and units."""
+
+import base64
+import io
+import json
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from api.table import Table
+from formation.arrays import FloatArray, frozen, timeline
+from formation.errors import EchelonError
+from formation.metrics import pattern_errors, tracking_error
+from formation.scenario.files import parse
+from formation.scenario.scenario import Scenario
+
+ABOUT = "echelon"
+"""Key of a Parquet file under which scenario and summary are kept."""
+
+
+class Result:
+    """An episode of n robots over T ticks; rows of T + 1 include the start.
+
+    Example:
+        >>> import echelon
+        >>> result = echelon.simulate("triangle-circle", {"duration": 2})
+        >>> result.poses.shape, result.inputs.shape
+        ((201, 3, 3), (200, 3, 2))
+        >>> bool(abs(result.distance_errors[-1]).max() < 0.03)
+        True
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        poses: FloatArray,
+        inputs: FloatArray,
+        ages: FloatArray,
+        summary: Mapping[str, Any],
+    ) -> None:
+        """Of a scenario's episode; arrays as of the properties."""
+        self.scenario = scenario
+        """What was simulated."""
+        self.poses: FloatArray = frozen(poses)
+        """(T + 1, n, 3) true poses [m, m, rad]."""
+        self.inputs: FloatArray = frozen(inputs)
+        """(T, n, 2) commands that the bodies got [m/s, rad/s]."""
+        self.ages: FloatArray = frozen(ages)
+        """(T, n) age of the plan that each robot acted on [s]; NaN without an answer."""
+        self._summary = dict(summary)
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """(T + 1,) of `poses` [s]."""
+        return timeline(0, len(self.poses), self.scenario.control_interval)
+
+    @cached_property
+    def _errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        reference = self.scenario.reference()
+        distance, angle = pattern_errors(self.poses, reference.positions(self.times))
+        return distance, angle, tracking_error(self.poses, reference.centre(self.times))
+
+    @property
+    def distance_errors(self) -> FloatArray:
+        """(T + 1, n) distance of each robot and its upstream neighbour, less what it should be [m]."""
+        return self._errors[0]
+
+    @property
+    def angle_errors(self) -> FloatArray:
+        """(T + 1, n) direction from each robot to its upstream neighbour, less what it should be [rad]."""
+        return self._errors[1]
+
+    @property
+    def tracking_errors(self) -> FloatArray:
+        """(T + 1,) distance of the robots' mean position to the path's point [m]."""
+        return self._errors[2]
+
+    @property
+    def trajectory_sha256(self) -> str:
+        """Of `poses` as little-endian float64: the same trajectory to the last bit."""
+        return str(self._summary["trajectory_sha256"])
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """What happened: t [s], kind, severity, text."""
+        return list(self._summary["events"])
+
+    def summary(self) -> dict[str, Any]:
+        """The measures that `echelon run --json` prints."""
+        return dict(self._summary)
+
+    def table(self) -> Table:
+        """A row for every robot at every tick; the last row of a robot has no inputs."""
+        ticks, n = self.poses.shape[:2]
+        inputs = np.concatenate([self.inputs, np.full((1, n, 2), np.nan)])
+        pattern = {"distance_error_m": self.distance_errors, "angle_error_rad": self.angle_errors}
+        flat = {name: values.reshape(-1) for name, values in pattern.items()}
+        x, y, theta = self.poses.reshape(-1, 3).T
+        v, omega = inputs.reshape(-1, 2).T
+        robot = np.tile(np.arange(1, n + 1), ticks)
+        own = {"x": x, "y": y, "theta": theta, "v": v, "omega": omega}
+        return Table({"t": np.repeat(self.times, n), "robot": robot, **own, **flat})
+
+    def to_csv(self, file: str | Path) -> Path:
+        """Write `table()` as CSV."""
+        return self.table().to_csv(file)
+
+    def to_parquet(self, file: str | Path) -> Path:
+        """Write `table()` as Parquet, from which `echelon.read` makes the same result."""
+        kept = {"scenario": json.loads(self.scenario.model_dump_json(exclude_unset=True)), "summary": self._summary}
+        ages = base64.b64encode(self.ages.astype("<f8").tobytes()).decode()
+        return self.table().to_parquet(file, {ABOUT: json.dumps({**kept, "ages": ages})})
+
+    def plot(self, file: str | Path | None = None) -> Any:
+        """Draw the ways of the robots and the pattern errors.
+
+        Args:
+            file: where to write the picture, if anywhere; its suffix says the format.
+
+        Returns:
+            The matplotlib Figure.
+        """
+        from experiments.report.episode import draw  # noqa: PLC0415  matplotlib
+
+        drawn = draw(self.scenario, self.times, self.poses, self.distance_errors, self.angle_errors)
+        if file is not None:
+            drawn.savefig(file)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        picture = io.BytesIO()
+        self.plot().savefig(picture, format="png")
+        data = base64.b64encode(picture.getvalue()).decode()
+        return f'<p>{self!r}</p><img alt="ways and pattern errors" src="data:image/png;base64,{data}">'
+
+    def __repr__(self) -> str:
+        scenario = self.scenario
+        return (
+            f"<Result of {scenario.name} with {scenario.controller.name}, seed {scenario.seed}: {scenario.size} robots,"
+            f" {self.times[-1]:g} s, {self.trajectory_sha256[:12]}>"
+        )
+
+
+def read(file: str | Path) -> Result:
+    """The result that `Result.to_parquet` wrote.
+
+    Raises:
+        EchelonError: the file is none.
+
+    Example:
+        >>> import echelon, tempfile
+        >>> result = echelon.simulate("triangle-circle", {"duration": 1})
+        >>> again = echelon.read(result.to_parquet(tempfile.mkdtemp() + "/x.parquet"))
+        >>> again.trajectory_sha256 == result.trajectory_sha256
+        True
+    """
+    import duckdb  # noqa: PLC0415  a quarter of a second
+
+    name = str(file)
+    try:
+        pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [name]).fetchall())
+        kept = json.loads(pairs[ABOUT.encode()])
+        columns = duckdb.execute("SELECT x, y, theta, v, omega FROM read_parquet(?)", [name]).fetchnumpy()
+    except (duckdb.Error, KeyError, ValueError) as error:
+        raise EchelonError(f"{name}: expected a file of Result.to_parquet; {str(error).splitlines()[0]}") from None
+    scenario = parse(kept["scenario"], where=name)
+    poses = np.stack([np.asarray(columns[key]) for key in ("x", "y", "theta")], axis=1)
+    inputs = np.stack([np.ma.filled(columns[key], np.nan) for key in ("v", "omega")], axis=1)
+    n = scenario.size
+    ages = np.frombuffer(base64.b64decode(kept["ages"]), dtype="<f8")
+    return Result(
+        scenario, poses.reshape(-1, n, 3), inputs.reshape(-1, n, 2)[:-1], ages.reshape(-1, n), kept["summary"]
+    )

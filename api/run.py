@@ -1,0 +1,226 @@
+"""A run of processes from Python: a world, an agent a robot, and a page."""
+
+import atexit
+import itertools
+import os
+import socket
+import threading
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from api.result import Result
+from api.scenarios import load, tell
+from formation.errors import EchelonError
+from formation.link_ids import LinkId
+from formation.scenario.scenario import Scenario
+from network import control
+from network.control import Operation
+from network.messages import State
+from network.zenoh_bus import ZenohBus
+from runtime.launcher import LiveRun
+from runtime.run_registry import free_name
+
+LOOPBACK = "127.0.0.1"
+ANSWER_SECONDS = 10.0
+START_SECONDS = 60.0
+"""Longest wait for the world's first state [s]."""
+
+
+class Run:
+    """A live run. Use it as a context manager: leaving it ends its processes."""
+
+    def __init__(self, live: LiveRun, scenario: Scenario, name: str) -> None:
+        """Of `launch`; the processes are there already."""
+        self.scenario, self.name = scenario, name
+        self.page = live.page
+        """Address of its page; empty without one."""
+        self._live, self._bus = live, ZenohBus(live.endpoint, name)
+        self._changed = threading.Condition()
+        self._over, self._error = False, ""
+        self._thread = threading.Thread(target=self._watch, name=f"run {name}", daemon=True)
+        self._thread.start()
+        atexit.register(self.close)
+        try:
+            self._begin()
+        except BaseException:
+            self.close()
+            raise
+
+    def _begin(self) -> None:
+        """Wait for the world: it answers from its first state on."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: self.state is not None or self._error, START_SECONDS) or self._error:
+                reason = self._error or f"it is silent for {START_SECONDS:g} s"
+                raise EchelonError(f"run {self.name}: expected its world to begin; {reason}")
+
+    def _watch(self) -> None:
+        try:
+            while not self._over and self._live.watch():
+                with self._changed:
+                    self._changed.notify_all()
+            reason = "" if self._over else "it was stopped"
+        except EchelonError as error:
+            reason = str(error)
+        with self._changed:
+            self._error = reason or "it was closed"
+            self._changed.notify_all()
+
+    @property
+    def state(self) -> State | None:
+        """The newest state that its world has published; None before the first."""
+        return self._live.state
+
+    @property
+    def time(self) -> float:
+        """Simulated time of that state [s]."""
+        state = self.state
+        return state.stamp if state else 0.0
+
+    def wait(self, until: float | None = None) -> None:
+        """Wait until a simulated time [s], or for the end of the scenario.
+
+        Raises:
+            EchelonError: the run ends before.
+        """
+        duration = self.scenario.duration
+        if until is not None and until > duration + 1e-9:
+            raise EchelonError(f"until: expected at most the duration of {duration:g} s; got {until:g}")
+        with self._changed:
+            while True:
+                state = self.state
+                if state and (state.status == "finished" or (until is not None and state.stamp >= until)):
+                    return
+                if self._error:
+                    raise EchelonError(f"run {self.name}: expected to reach {until or duration:g} s; {self._error}")
+                self._changed.wait(1.0)
+
+    def set_fault(self, link: str | LinkId = "all", *, seconds: float | None = None, **changes: Any) -> None:
+        """Set keys of a link's fault from the next tick on.
+
+        Args:
+            link: such as "1->2" or "world->1"; "all" for every one between robots.
+            seconds: for how long [s]; until further notice, if None.
+            changes: keys of [link], such as latency, loss, cut.
+
+        Raises:
+            EchelonError: there is no such link or key.
+        """
+        self._ask(control.SetFault(link=str(link), changes=changes, seconds=seconds))
+
+    def clear_faults(self, link: str | LinkId = "all") -> None:
+        """Remove what was set on a link. Raises EchelonError."""
+        self._ask(control.Clear(link=str(link)))
+
+    def start(self) -> None:
+        """Start, or continue."""
+        self._ask(control.Start())
+
+    def pause(self) -> None:
+        """Stop simulated time."""
+        self._ask(control.Pause())
+
+    def result(self, *, warmup: float = 0.0) -> Result:
+        """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
+        parts: list[dict[str, Any]] = []
+        while not parts or parts[-1]["last"] < parts[0]["ticks"]:
+            parts.append(self._ask(control.GetTrace(first=parts[-1]["last"] if parts else 0)))
+        summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
+        n = self.scenario.size
+        arrays = {
+            name: np.frombuffer(b"".join(part[name] for part in parts), dtype="<f8").reshape(shape)
+            for name, shape in (("poses", (-1, n, 3)), ("inputs", (-1, n, 2)), ("ages", (-1, n)))
+        }
+        return Result(self.scenario, summary=summary, **arrays)
+
+    def _ask(self, operation: Operation) -> dict[str, Any]:
+        reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)
+        if reply is None:
+            raise EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
+        if not reply.ok:
+            raise EchelonError(reply.reason)
+        return reply.value
+
+    def close(self) -> None:
+        """End its processes; nothing is left behind."""
+        if self._over:
+            return
+        self._over = True
+        self._thread.join()
+        self._bus.close()
+        self._live.__exit__(None, None, None)
+        atexit.unregister(self.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Run {self.name} of {self.scenario.name}, {self.page or 'no page'}>"
+
+
+_numbers = itertools.count(1)
+
+
+def launch(
+    scenario: str | Scenario = "triangle-circle",
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    page: bool = True,
+    realtime: bool = False,
+    speed: float | None = None,
+    paused: bool = False,
+) -> Run:
+    """Start a run of processes; in lockstep its trajectory is that of `simulate`, to the last bit.
+
+    Args:
+        scenario: of `load`, or what it takes.
+        overrides: what differs from it, as nested data.
+        page: whether it has a page.
+        realtime: step by the wall clock, without waiting for slow agents.
+        speed: simulated seconds per second, 0 as fast as possible; by default 1 with a page, else 0.
+        paused: wait for `Run.start`.
+
+    Raises:
+        EchelonError: the scenario is wrong, or cannot run as processes.
+
+    Example:
+        >>> import echelon
+        >>> with echelon.launch("triangle-circle", {"duration": 2}, page=False, paused=True) as run:
+        ...     run.set_fault("1->2", loss=0.5)
+        ...     run.start()
+        ...     run.wait()
+        ...     result = run.result()
+        >>> result.poses.shape
+        (201, 3, 3)
+    """
+    whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
+    name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
+    if speed is None:
+        speed = 0.0 if realtime is False and not page else 1.0
+    live = LiveRun(
+        name,
+        whole,
+        None,
+        {},
+        tell=tell,
+        dashboard=(LOOPBACK, _free_port()) if page else None,
+        realtime=realtime,
+        speed=speed,
+        paused=paused,
+        ghost=page,
+    )
+    live.__enter__()
+    return Run(live, whole, name)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,146 @@
+"""Episodes in this process: at once, or tick by tick."""
+
+from collections.abc import Callable, Mapping
+from time import perf_counter
+from typing import Any
+
+from agents.controllers.interface import Observation
+from api.result import Result
+from api.scenarios import load, tell
+from formation.errors import EchelonError
+from formation.link_ids import LinkId
+from formation.scenario.scenario import Scenario
+from network.messages import State
+from runtime.inprocess import Simulation as Engine
+from runtime.precompile import ensure_compiled
+
+PROGRESS_TICKS = 50
+
+
+class Simulation:
+    """An episode, tick by tick, with faults and observations from outside.
+
+    Example:
+        >>> import echelon
+        >>> simulation = echelon.Simulation(echelon.load("triangle-circle", {"duration": 3}))
+        >>> simulation.step(100)
+        >>> simulation.set_fault("1->2", cut=True)
+        >>> simulation.step(100)
+        >>> round(simulation.time, 2), round(simulation.observation(2).upstream.age, 2)
+        (2.0, 1.01)
+        >>> while not simulation.finished:
+        ...     simulation.step()
+        >>> simulation.result().poses.shape
+        (301, 3, 3)
+    """
+
+    def __init__(self, scenario: str | Scenario = "triangle-circle") -> None:
+        """The episode at t = 0.
+
+        Args:
+            scenario: of `load`, or what it takes.
+
+        Raises:
+            ScenarioError: it is wrong.
+        """
+        ensure_compiled(tell)
+        self.scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+        """What is simulated."""
+        self._engine = Engine(self.scenario)
+        self._began = perf_counter()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._engine.world.now
+
+    @property
+    def finished(self) -> bool:
+        """Whether the scenario's duration is over."""
+        return self._engine.finished
+
+    @property
+    def state(self) -> State:
+        """Poses, slots, errors, faults and events of now, as a live run publishes them."""
+        world = self._engine.world
+        return world.state(seq=world.k, status="finished" if self.finished else "running")
+
+    def step(self, ticks: int = 1) -> None:
+        """Simulate so many ticks, or to the end."""
+        for _ in range(ticks):
+            if self.finished:
+                return
+            self._engine.step()
+
+    def observation(self, robot: int) -> Observation:
+        """What the robot's controller was asked with last.
+
+        Raises:
+            EchelonError: there is no such robot, or it has not planned yet.
+        """
+        agent = self._engine.agents.get(robot)
+        if agent is None:
+            raise EchelonError(f"robot: expected 1 to {self.scenario.size}; got {robot}")
+        if agent.observation is None:
+            raise EchelonError(f"robot {robot}: expected a step before its first observation; got none")
+        return agent.observation
+
+    def set_fault(self, link: str | LinkId = "all", *, until: float | None = None, **changes: Any) -> None:
+        """Set keys of a link's fault from the next tick on.
+
+        Args:
+            link: such as "1->2" or "world->1"; "all" for every one between robots.
+            until: simulated time at which it ends [s].
+            changes: keys of [link], such as latency, loss, cut.
+
+        Raises:
+            FaultError: there is no such link or key.
+        """
+        self._engine.world.change_fault(str(link), changes, until)
+
+    def clear_faults(self, link: str | LinkId = "all") -> None:
+        """Remove what was set on a link from the next tick on. Raises FaultError."""
+        self._engine.world.clear_faults(str(link))
+
+    def result(self, *, warmup: float = 0.0) -> Result:
+        """What has come of it so far; measures start at `warmup` [s]."""
+        trace = self._engine.trace
+        summary = self._engine.world.summary(warmup=warmup)
+        more = {"engine": "inprocess", "wall_s": perf_counter() - self._began}
+        return Result(self.scenario, trace.poses, trace.inputs, trace.ages, {**summary, **more})
+
+
+def simulate(
+    scenario: str | Scenario = "triangle-circle",
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    seed: int | None = None,
+    warmup: float = 0.0,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Simulate a scenario to its end in this process: bit for bit what the processes of a run do.
+
+    Args:
+        scenario: of `load`, or what it takes.
+        overrides: what differs from it, as nested data.
+        seed: of noise and faults, instead of the scenario's.
+        warmup: measures of the summary start at this simulated time [s].
+        progress: called now and then with the simulated time [s].
+
+    Raises:
+        ScenarioError: the scenario is wrong.
+
+    Example:
+        >>> import echelon
+        >>> result = echelon.simulate("triangle-circle", {"duration": 2, "noise": {"slip": 0.1}}, seed=3)
+        >>> result.summary()["seed"], len(result.times)
+        (3, 201)
+    """
+    changes = {**(overrides or {}), **({} if seed is None else {"seed": seed})}
+    whole = isinstance(scenario, Scenario) and not changes
+    simulation = Simulation(scenario if whole else load(scenario, changes))
+    while not simulation.finished:
+        simulation.step(PROGRESS_TICKS)
+        if progress:
+            progress(simulation.time)
+    return simulation.result(warmup=warmup)

@@ -1,0 +1,14 @@
+from agents.controllers.interface import Observation as Observation
+from agents.controllers.interface import Solution as Solution
+from api.result import Result as Result
+from api.result import read as read
+from api.run import Run as Run
+from api.run import launch as launch
+from api.scenarios import load as load
+from api.simulation import Simulation as Simulation
+from api.simulation import simulate as simulate
+from formation.errors import EchelonError as EchelonError
+from formation.errors import ScenarioError as ScenarioError
+from formation.link_ids import LinkId as LinkId
+from formation.scenario.controllers import ControllerOptions as ControllerOptions
+from formation.scenario.scenario import Scenario as Scenario

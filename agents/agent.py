@@ -1,7 +1,4 @@
-"""The agent of one robot, without any I/O: measurements and plans in, a command and a plan out.
-
-The same Agent runs inside one process on a counted clock and as a process over Zenoh, with the same results.
-"""
+"""The agent of one robot, without any I/O: measurements and plans in, a command and a plan out; in both engines."""
 
 from collections.abc import Mapping
 from time import perf_counter
@@ -9,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.avoidance import Avoidance
 from agents.controllers.guarded import ControllerFailedError
 from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.pair_game import Game
@@ -55,8 +53,7 @@ class Agent:
         """
         own = scenario.controller
         self.robot, self.episode, self.size = robot, episode, scenario.size
-        self.upstream = upstream(robot, scenario.size)
-        self.planning = own.plan_every
+        self.upstream, self.planning = upstream(robot, scenario.size), own.plan_every
         self._task = Task(scenario, robot)
         self._game = Game(scenario, robot, self._task)
         self._controller = controller or controller_for(scenario, robot, self._task)
@@ -70,6 +67,7 @@ class Agent:
         self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
+        self._avoidance = Avoidance(scenario, robot, self._motors)
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
@@ -91,6 +89,7 @@ class Agent:
         for receiver in self._receivers:
             receiver.set_faults(faults)
         self._measurements.fault = faults.get(self._measurements.id, PERFECT)
+        self._avoidance.set_faults(faults)
         if self._driver:
             self._driver.set_faults(faults)
 
@@ -136,6 +135,7 @@ class Agent:
             if preview is not None:
                 self._task.hear(preview, k + self._motors.delay)
         self._measure(tick)
+        self._avoidance.look(tick)
         age = self._receivers[0].belief.seconds_old(stamp)
         if self._failure:
             return self._stand(k, stamp, age)
@@ -152,17 +152,16 @@ class Agent:
                 return self._stand(k, stamp, age)
             solve = perf_counter() - began
             self._solves.append(solve)
-        v, omega = self._input(k)
+        v, omega = self._avoidance.filter(k, self._speed, *self._input(k))
         self._motors.command(k, v, omega)
-        return Answer(
-            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, self._converged), plan
-        )
+        good, off = self._converged, self._avoidance.who
+        command = Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
+        return Answer(command, plan)
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
-        return Answer(
-            Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure), None
-        )
+        command = Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
+        return Answer(command, None)
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
@@ -211,6 +210,7 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             self._motors.lag,
+            self._avoidance.take(),
             task.lost(at),
         )
         solution = self._controller.plan(observation)
@@ -277,6 +277,7 @@ class Agent:
             converged=self._converged,
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
             lost=self._sending.last is not None and self._sending.last.lost,
+            keeps_off=self._avoidance.who,
         )
 
     @property

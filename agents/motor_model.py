@@ -45,6 +45,11 @@ class MotorModel:
         at = COMMANDS + 2 * (k % LENGTH)
         self.memory[at], self.memory[at + 1] = v, omega
 
+    @property
+    def commands(self) -> FloatArray:
+        """(LENGTH, 2) by the tick they were given, row k % LENGTH [m/s, rad/s]."""
+        return self.memory[COMMANDS : COMMANDS + 2 * LENGTH].reshape(-1, 2)
+
     def acting(self, k: int) -> float:
         """The commanded speed that took effect at tick k [m/s]."""
         return float(self.memory[COMMANDS + 2 * ((k - self.delay) % LENGTH)])

@@ -150,6 +150,8 @@ class AgentNode:
         n = scenario.size
         if (tick.measured is not None and len(tick.poses) != n) or len(tick.relatives) not in (0, n):
             raise WireError(f"expected measurements of {n} robots; got {len(tick.poses)} and {len(tick.relatives)}")
+        if len(tick.seen) not in (0, n * n):
+            raise WireError(f"expected sightings of {n} robots by {n}; got {len(tick.seen)}")
         if tick.measured is not None and tick.measured > tick.seq:
             raise WireError(f"expected a measurement of tick {tick.seq} or before; got one of {tick.measured}")
         if abs(tick.seq * scenario.control_interval - tick.stamp) > 1e-6:

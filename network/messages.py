@@ -1,5 +1,6 @@
 """The messages between the processes of a run: frozen values with sender, seq and stamp, which is simulated time [s].
 
+`stamp` is simulated time [s]; every reset begins another `episode`. Robots count from 1. Bytes: network/codec.py.
 `episode` changes with every reset. Robots are numbered from 1. network/codec.py encodes and decodes the messages.
 """
 
@@ -37,10 +38,9 @@ from network.fields import (
 from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
-VERSION = 3
+VERSION = 4
 """Of the wire: processes of another version refuse each other's bytes."""
-WORLD = link_ids.WORLD
-"""Sender number of the world; robots count from 1."""
+WORLD = link_ids.WORLD  # the sender number of the world
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +70,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
+    seen: Places = field(default_factory=lambda: values.NO_PLACES)
+    """(n n, 2) body j in the frame of robot i, with or without an agent; zeros: not in sight, no rows: nobody looks."""
     drive: Drive = field(default_factory=lambda: values.NO_DRIVE)
     """To robot 1, over the link driver->1: what its driver sends at this tick."""
     __pydantic_config__ = STRICT
@@ -145,6 +147,7 @@ class Command:
     """Wall-clock time of planning [s]; 0 at a tick without planning."""
     converged: Flag = True
     """Whether the solver converged for the plan that v and omega are from; if not, they are a fallback."""
+    keeps_off: Sender = 0  # the robot that v and omega were changed for; 0 if they are the plan's
     failure: Text = ""
     """Of a user's own controller that has failed in this episode: what and where; v and omega are 0 then."""
     __pydantic_config__ = STRICT
@@ -177,11 +180,11 @@ class Status:
     """Payloads that were not valid messages."""
     pid: Count
     converged: Flag = True
-    """As in the Command of the same tick."""
+    keeps_off: Sender = 0
+    """Both as in the Command of the same tick."""
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
-    lost: Flag = False
-    """As in Plan."""
+    lost: Flag = False  # as in Plan
     __pydantic_config__ = STRICT
 
 
@@ -236,8 +239,7 @@ class State:
     """The newest events, oldest first."""
     compare: Text
     """Controller of the requested ghost; empty for none."""
-    driving: Driving = field(default_factory=Driving)
-    """The driver's orders, where the path is driven."""
+    driving: Driving = field(default_factory=Driving)  # the driver's orders, where the path is driven
     __pydantic_config__ = STRICT
 
 
@@ -253,9 +255,8 @@ class Ghost:
     poses: Poses
     distance_errors: Numbers
     angle_errors: Numbers
-    """As in State."""
     tracking_error: NonNegative
-    """[m]."""
+    """As in State."""
     __pydantic_config__ = STRICT
 
 
@@ -271,8 +272,7 @@ class Setup:
     scenario: LongText
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
-    faults: dict[Link, Fault]
-    """As in State."""
+    faults: dict[Link, Fault]  # as in State
     user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 

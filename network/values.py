@@ -43,7 +43,7 @@ class Event:
 
     number: Count
     stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "contact", "wire", "drive"]
+    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive"]
     text: Text
     severity: Severity = "info"
     """How much it matters; info also when something is well again. Set by who raises the event."""

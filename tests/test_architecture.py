@@ -62,7 +62,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"kernels", "states"},
         {"controllers"},
         {"belief", "driver_receiver", "estimator", "motor_model"},
-        {"window_estimator", "plan_receiver", "sending"},
+        {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},
         {"process"},
@@ -70,7 +70,7 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "world": [
         {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
-        {"trace", "rate"},
+        {"trace", "rate", "sight"},
         {"world"},
         {"presence", "journal", "samples"},
         {"run_control"},
@@ -196,7 +196,7 @@ def test_every_installed_package_is_a_room() -> None:
 
 def test_no_other_folder_holds_code_of_the_product() -> None:
     folders = {file.parent.name for file in ROOT.glob("*/*.py")}
-    assert folders - set(ROOMS) <= {"tests", "benchmarks", "docs", ".ci"}
+    assert folders - set(ROOMS) <= {"tests", "benchmarks", "docs", "examples", ".ci"}
 
 
 def test_zenoh_is_imported_in_one_module_of_network() -> None:

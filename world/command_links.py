@@ -9,6 +9,7 @@ from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
 from network.link import Arrival, Link, damaged
 from network.messages import Command
+from network.values import Severity
 
 WATCHDOG = 0.2
 """A robot that receives no new command for so long stops [s], as a real base controller makes it."""
@@ -24,6 +25,7 @@ class CommandLinks:
         self._fresh: dict[int, float] = dict.fromkeys(robots, 0.0)
         self.held: set[int] = set()
         """Robots that the watchdog has stopped."""
+        self._reported: set[int] = set()
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links from now on; one that is not named is perfect."""
@@ -51,6 +53,16 @@ class CommandLinks:
         if stale != (robot in self.held) and (newest is not None or now > WATCHDOG):
             self.held ^= {robot}
         return (0.0, 0.0) if stale or newest is None else (newest.v, newest.omega)
+
+    def reports(self) -> list[tuple[str, Severity]]:
+        """Which robots the watchdog has stopped or released since the last call."""
+        changed, self._reported = sorted(self._reported ^ self.held), set(self.held)
+        return [_report(robot, stopped=robot in self.held) for robot in changed]
+
+
+def _report(robot: int, *, stopped: bool) -> tuple[str, Severity]:
+    """A line about a robot that the watchdog has stopped or released, and how bad that is."""
+    return (f"robot {robot} stopped: no fresh command", "error") if stopped else (f"robot {robot} moves again", "info")
 
 
 def _read(arrival: Arrival[Command]) -> Command | None:

@@ -1,18 +1,21 @@
-"""Contacts and clearance of the bodies, commands at a limit, and robots outside the arena: counters, tick by tick."""
+"""Contacts and clearance of the bodies, commands at a limit or changed to keep off, and robots outside the arena."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
+from network.messages import Command
 
 RELEASE = 0.002
 """Two bodies that touch have to part by so much before they can come to touch again [m]: noise is not a contact."""
 AT_LIMIT = 1e-9
 """A command so close to a limit stands at it [m/s, rad/s]."""
+QUIET_SECONDS = 1.0
+"""A robot that did not have to keep off anybody for so long begins to anew [s]."""
 
 
 class Contacts:
@@ -56,13 +59,25 @@ class Contacts:
 
 
 class Excursions:
-    """For how long each robot's command stood at a limit, and each robot outside the arena."""
+    """For how long each robot stood at a limit, kept off others, and was outside the arena."""
 
     def __init__(self, scenario: Scenario) -> None:
         robots = range(1, scenario.size + 1)
         self._limits = np.array([_limits(scenario, robot) for robot in robots]) - AT_LIMIT
         self._arena, self._dt = scenario.bodies.arena, scenario.control_interval
-        self._at_limit, self._outside = (np.zeros(scenario.size, dtype=int) for _ in range(2))
+        self._at_limit, self._outside, self._kept_off = (np.zeros(scenario.size, dtype=int) for _ in range(3))
+        self._kept_at = np.full(scenario.size, -np.inf)
+
+    def reports(self, commands: Mapping[int, Command], now: float) -> list[str]:
+        """Count the changed commands of a tick; which robot begins to keep off which."""
+        begun = []
+        for robot, command in commands.items():
+            if command.keeps_off:
+                if now - self._kept_at[robot - 1] > QUIET_SECONDS:
+                    begun.append(f"robot {robot} keeps off robot {command.keeps_off}")
+                self._kept_at[robot - 1] = now
+                self._kept_off[robot - 1] += 1
+        return begun
 
     def add(self, inputs: FloatArray, poses: FloatArray) -> None:
         """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
@@ -75,7 +90,8 @@ class Excursions:
     def summary(self, robot: int) -> dict[str, Any]:
         """Of one robot, for the summary of the episode [s]; None for the arena if there is none."""
         outside = None if self._arena is None else int(self._outside[robot - 1]) * self._dt
-        return {"limit_s": int(self._at_limit[robot - 1]) * self._dt, "left_arena_s": outside}
+        at_limit, kept_off = (int(ticks[robot - 1]) * self._dt for ticks in (self._at_limit, self._kept_off))
+        return {"limit_s": at_limit, "kept_off_s": kept_off, "left_arena_s": outside}
 
 
 def _limits(scenario: Scenario, robot: int) -> tuple[float, float]:

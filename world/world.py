@@ -24,6 +24,7 @@ from world.contacts import Contacts, Excursions
 from world.convergence import Convergence
 from world.driver import Driver
 from world.faults import FaultState
+from world.sight import Sight
 from world.trace import Trace
 
 SHOWN_EVENTS = 40
@@ -57,7 +58,7 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.endless
-        self.plant = bodies_for(scenario)
+        self.plant, self._sight = bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
@@ -118,6 +119,7 @@ class World:
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
                 last=not self.endless and self.k == self._scenario.ticks - 1,
+                seen=self._sight.see(self.k, self.plant.poses),
                 drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
         return self._tick
@@ -125,14 +127,16 @@ class World:
     def advance(self, commands: Mapping[int, Command]) -> None:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
-        held = set(self._commands.held)
         self.inputs = inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
-        self._watch(held)
+        for text, severity in self._commands.reports():
+            self.event("watchdog", text, severity)
         self.plant.move(inputs)
         if self.trace:
             self.trace.add(self.plant.poses, inputs, commands)
         for text, severity in self.convergence.reports(commands, now):
             self.event("agent", text, severity)
+        for text in self.excursions.reports(commands, now):
+            self.event("avoidance", text)
         self._planned = sorted([robot for robot, command in commands.items() if command.planned])
         self.excursions.add(inputs, self.plant.poses)
         self.k += 1
@@ -150,13 +154,6 @@ class World:
         """Count who touches whom."""
         for one, other in self.contacts.look(self.plant.poses):
             self.event("contact", f"robots {one} and {other} touch", "warning")
-
-    def _watch(self, before: set[int]) -> None:
-        """Say which robots the watchdog has stopped or released."""
-        for robot in sorted(before ^ self._commands.held):
-            stopped = robot in self._commands.held
-            text, severity = ("stopped: no fresh command", "error") if stopped else ("moves again", "info")
-            self.event("watchdog", f"robot {robot} {text}", severity)
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)

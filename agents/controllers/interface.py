@@ -72,6 +72,8 @@ class Observation(NamedTuple):
     """Speed that was commanded less that of the wheels, in the last tick [m/s]."""
     motor_lag: float = 0.0
     """Time constant of the wheels [s]."""
+    kept_off: FloatArray | None = None
+    """(2,) mean speeds since the last plan that the last filter allowed, if it changed a command [m/s, rad/s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
     limits: FloatArray = STILL

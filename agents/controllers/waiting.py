@@ -7,8 +7,8 @@ import numpy as np
 from agents.controllers.interface import NeighborEstimate, Observation
 from agents.controllers.task import Task
 from agents.kernels.attend import attend
-from agents.kernels.waiting import FRESH
-from agents.kernels.waiting_state import INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, FlatWait, start, view
+from agents.kernels.waiting import CARRIED_TICKS, FRESH
+from agents.kernels.waiting_state import AWAY, INTEGRAL, LAG, NEED, PACE, RATE, SHORT, WAITS, FlatWait, start, view
 from formation.arrays import FloatArray
 
 NOTHING_NEW: FloatArray = np.zeros((0, 4))
@@ -35,6 +35,8 @@ class Waiting:
     def update(self, observation: Observation) -> bool:
         """Bring the pair's lag and pace to the observation; whether anybody waits, as far as is known."""
         task, k = self._task, float(observation.k)
+        if observation.kept_off is not None:
+            self._let_be(observation.kept_off, observation.k)
         news, waits = self._heard(observation.upstream, k)
         more, wait_too = self._heard(observation.downstream, k)
         at = max(k - (task.lag + (1.0 - task.pace) * self._step) / task.tick, 0.0)
@@ -60,6 +62,13 @@ class Waiting:
             task.interval,
         )
         return bool(somebody)
+
+    def _let_be(self, speeds: FloatArray, k: int) -> None:
+        """The robot was let drive at speeds (2,) only: that is no reason to wait, nor to begin to soon after."""
+        state = view(self.memory)
+        state.velocities[:] = speeds
+        if not state.whole[WAITS]:
+            state.whole[AWAY] = max(int(state.whole[AWAY]), k + CARRIED_TICKS)
 
     def lose(self, k: int) -> None:
         """The robot is lost at tick k: it declares no need, or stands still and has all others wait for it."""

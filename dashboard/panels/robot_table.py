@@ -22,7 +22,7 @@ class Row(NamedTuple):
     robot: int
     hue: str
     agent: str
-    """Health of its agent in a word, its lag, or that its solver does not converge."""
+    """Health of its agent in a word, its lag, whom it keeps off, or that its solver does not converge."""
     level: float
     """0 is healthy, 1 lost."""
     process: str
@@ -57,6 +57,8 @@ def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row
     agent = "alive" if label == "OK" else label
     if label == "OK" and behind > LAG_LIMIT:
         level, agent = 0.5, f"−{' '.join(duration(behind))}"
+    if label == "OK" and status is not None and status.keeps_off:
+        level, agent = 0.5, f"off R{status.keeps_off}"
     if label == "OK" and status is not None and not status.converged:
         level, agent = 1.0, "NO SOLUTION"
     return Row(

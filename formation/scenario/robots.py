@@ -32,6 +32,10 @@ class Robots(Model):
     """Start poses [m, m, rad]; in formation if absent."""
     limits: Limits = Limits()
     start_noise: StartNoise = StartNoise()
+    sight: NonNegative = 1.0
+    """How far a robot sees other bodies [m]."""
+    avoid: bool = False
+    """Keep off the bodies in sight by a last filter on commands."""
 
 
 class Noise(Model):

@@ -44,7 +44,7 @@ def bus() -> MemoryBus:
     hub = MemoryHub()
     served = hub.join("x")
     served.serve(topics.control("x"))
-    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(), "lockstep", {})
+    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(exclude_unset=True), "lockstep", {})
     served.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
     return hub.join("x")
 

@@ -13,9 +13,9 @@ from formation.arrays import FloatArray
 
 BLOCK: Final = 1024
 """Ticks per block."""
-MOTION, LOCALISATION, OUTLIER, RELATIVE, CONSTANT, CHANCE, GUST = 2, 3, 4, 5, 6, 7, 8
+MOTION, LOCALISATION, OUTLIER, RELATIVE, CONSTANT, CHANCE, GUST, SIGHT = 2, 3, 4, 5, 6, 7, 8, 9
 """Streams: slip and gyro, localisation's noise, the size of outliers, relative sensing, a robot's constants,
-whether a measurement is an outlier, and gusts. (Stream 1 is the start poses'.)"""
+whether a measurement is an outlier, gusts, and sight. (Stream 1 is the start poses'.)"""
 
 
 def generator(seed: int, stream: int, robot: int, block: int = 0) -> np.random.Generator:

@@ -3,6 +3,9 @@
 import pytest
 
 from dashboard.panels.wheel import parse
+from dashboard.theme.templates import render
+from formation.scenario.files import load
+from network.values import Driving
 
 
 @pytest.mark.parametrize(
@@ -17,3 +20,10 @@ def test_held_keys_are_shares_within_one(text: str, held: tuple[float, float]) -
 )
 def test_anything_else_holds_no_key(text: object) -> None:
     assert parse(text) is None
+
+
+def test_the_panel_tells_what_is_ordered_and_how_old_it_is_at_each_robot() -> None:
+    driving, law = Driving(2, 0.1, -0.2, (0.5, 0.25)), load("drive-me").law
+    text = render("panels/driving.html", driving=driving, law=law, page=3, ages={1: 17.0, 2: 0.02})
+    for words in ("0.10 of 0.34 m/s", "-0.20 of 1.00 rad/s", "goes to 0.50, 0.25 m", "page 3", "1: 17.0 s", "2: 20 ms"):
+        assert words in text

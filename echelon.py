@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from api.run import Run, launch
     from api.scenarios import load
     from api.simulation import Simulation, simulate
+    from api.study import study
+    from api.table import Table
     from formation.errors import EchelonError, ScenarioError
     from formation.link_ids import LinkId
     from formation.scenario.controllers import ControllerOptions
@@ -36,10 +38,12 @@ __all__ = [
     "ScenarioError",
     "Simulation",
     "Solution",
+    "Table",
     "launch",
     "load",
     "read",
     "simulate",
+    "study",
 ]
 _PLACES = {
     "ControllerOptions": "formation.scenario.controllers",
@@ -52,10 +56,12 @@ _PLACES = {
     "ScenarioError": "formation.errors",
     "Simulation": "api.simulation",
     "Solution": "agents.controllers.interface",
+    "Table": "api.table",
     "launch": "api.run",
     "load": "api.scenarios",
     "read": "api.result",
     "simulate": "api.simulation",
+    "study": "api.study",
 }
 """Modules are imported when a name is used: `import echelon` itself takes milliseconds."""
 _ROOMS = frozenset(

@@ -18,7 +18,7 @@ from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
-from network.messages import State
+from network.messages import Request, State
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
@@ -37,6 +37,8 @@ class Run:
         self.scenario, self.name = scenario, name
         self.page = live.page
         """Address of its page; empty without one."""
+        self.endpoint = live.endpoint
+        """Where its router listens: for a plain Zenoh client in mode "client"; the manual has its messages."""
         self._live, self._bus = live, ZenohBus(live.endpoint, name)
         self._changed = threading.Condition()
         self._over, self._error = False, ""
@@ -113,6 +115,23 @@ class Run:
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
         self._ask(control.Clear(link=str(link)))
+
+    def drive(self, v: float, omega: float, *, seconds: float | None = None) -> None:
+        """Order a formation whose path is `driven` a speed [m/s] and a turn rate [rad/s] from the next tick on.
+
+        Args:
+            v: of the centre; below 0 backwards.
+            omega: of the centre, counter-clockwise positive.
+            seconds: simulated time after which it slows to a stop; None: until the next order.
+
+        Raises:
+            EchelonError: the path is of another kind, or a number is out of range.
+        """
+        self._ask(control.operation(Request("drive", {"v": v, "omega": omega, "seconds": seconds})))
+
+    def go_to(self, x: float, y: float) -> None:
+        """Drive the centre of such a formation to a point [m], and stop there. Raises EchelonError."""
+        self._ask(control.operation(Request("goto", {"x": x, "y": y})))
 
     def start(self) -> None:
         """Start, or continue."""

@@ -7,6 +7,8 @@ from api.run import launch as launch
 from api.scenarios import load as load
 from api.simulation import Simulation as Simulation
 from api.simulation import simulate as simulate
+from api.study import study as study
+from api.table import Table as Table
 from formation.errors import EchelonError as EchelonError
 from formation.errors import ScenarioError as ScenarioError
 from formation.link_ids import LinkId as LinkId

@@ -19,6 +19,7 @@ from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
+from network.fields import LARGEST
 from network.messages import Command, Plan, Status
 from tests import builders
 from world.command_links import WATCHDOG
@@ -152,7 +153,7 @@ def test_the_scenarios_own_link_holds_from_the_first_tick() -> None:
     assert one.counts().in_flight == 1
 
 
-@given(st.floats(-1e300, 1e300), st.floats(1e-300, 1e300), st.sampled_from(["nash", "paper"]))
+@given(st.floats(-LARGEST, LARGEST), st.floats(1e-300, LARGEST), st.sampled_from(["nash", "paper"]))
 @settings(max_examples=40)
 def test_any_valid_plan_of_a_neighbour_gives_finite_inputs_within_limits(
     number: Any, interval: Any, controller: Any

@@ -20,7 +20,7 @@ from tests.processes.live import runs
 __all__ = ["runs"]
 ROOT = Path(__file__).parents[2]
 SHORT: dict[str, Any] = {"duration": 2, "noise": {"slip": 0.1}, "link": {"loss": 0.2}}
-MODULES = ("echelon", "api.scenarios", "api.result", "api.simulation", "api.run")
+MODULES = ("echelon", "api.scenarios", "api.result", "api.simulation", "api.study", "api.run")
 
 
 @pytest.mark.processes
@@ -47,6 +47,36 @@ def test_a_run_that_ends_before_is_an_error_and_so_is_a_time_beyond_the_end(runs
         run._ask(importlib.import_module("network.control").Stop())
         with pytest.raises(echelon.EchelonError, match="expected to reach 60 s; it was stopped"):
             run.wait()
+
+
+@pytest.mark.processes
+def test_a_driven_run_is_driven_from_python(runs: Path) -> None:
+    with echelon.launch("drive-me", {"duration": 4}, page=False, paused=True) as run:
+        run.drive(0.05, 0.0)
+        with pytest.raises(echelon.EchelonError, match="omega"):
+            run.drive(0.05, float("nan"))
+        run.start()
+        run.wait()
+        result = run.result()
+    way = result.poses[-1, :, :2].mean(axis=0) - result.poses[0, :, :2].mean(axis=0)
+    assert np.hypot(*way) > 0.1
+    with (
+        echelon.launch("circle", {"duration": 1}, page=False, paused=True) as run,
+        pytest.raises(echelon.EchelonError, match="driven"),
+    ):
+        run.go_to(1.0, 0.0)
+
+
+@pytest.mark.processes
+def test_a_study_is_a_table_of_trials_with_the_same_noise_for_all() -> None:
+    grid = {"link.latency": [0.0, 0.2], "law": {"deaf": {"controller": {"name": "virtual_structure"}}, "nash": {}}}
+    table = echelon.study("circle", {"duration": 1, "noise": {"slip": 0.2}}, grid=grid, seeds=2, workers=2)
+    assert table.columns[:5] == ["trial", "scenario", "link_latency", "law", "seed"]
+    assert len(table) == 8
+    deaf = [row for row in table.rows() if row["law"] == "deaf"]
+    assert deaf[0]["trajectory_sha256"] == deaf[2]["trajectory_sha256"] != deaf[1]["trajectory_sha256"]
+    with pytest.raises(echelon.EchelonError, match=r"link.latancy: unknown key.*latency"):
+        echelon.study("circle", grid={"link.latancy": [0.0]})
 
 
 @pytest.mark.processes

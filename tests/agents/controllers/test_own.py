@@ -188,3 +188,21 @@ def test_an_agent_with_another_text_takes_no_part(hold_slot: Write) -> None:
     load_controller(hold_slot("x = 1"))
     with pytest.raises(ScenarioError, match=r"controller HoldSlot: expected mine.py:HoldSlot of SHA-256 .*got that of"):
         own.check_loaded(setup.user_code, name)
+
+
+def test_an_installed_package_names_its_controllers_by_entry_points(
+    hold_slot: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What pip leaves behind of a package: its module, and its entry points."""
+    file = Path(hold_slot(name="Held").partition(":")[0])
+    site = tmp_path / "site"
+    (site / "held-1.0.dist-info").mkdir(parents=True)
+    file.rename(site / "held_module.py")
+    (site / "held-1.0.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: held\nVersion: 1.0\n")
+    (site / "held-1.0.dist-info" / "entry_points.txt").write_text("[echelon.controllers]\nheld = held_module:Held\n")
+    monkeypatch.syspath_prepend(site)
+    name = load_controller("held").name
+    trace = Simulation(load("triangle-circle", {"controller": {"name": name}, "duration": 3, "robots": {}})).simulate()
+    assert np.abs(trace.errors()[0][-1]).max() < 1e-3
+    with pytest.raises(ScenarioError, match=r"expected FILE\.py:CLASS or package\.module:CLASS"):
+        load_controller("helt")

@@ -12,7 +12,7 @@ COPY runtime runtime
 COPY experiments experiments
 COPY api api
 COPY cli cli
-COPY echelon.py ./
+COPY echelon.py echelon.py
 COPY echelon-stubs echelon-stubs
 COPY scenarios scenarios
 COPY studies studies

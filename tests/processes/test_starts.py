@@ -33,7 +33,19 @@ def foreign(tmp_path: Path) -> Path:
         file = folder / f"{name}.py"
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(f"open({str(tmp_path / 'mark')!r}, 'a').write({name!r})\nraise ImportError({name!r})\n")
+    leave_to_python(folder, tmp_path / "mark")
     return folder
+
+
+def leave_to_python(folder: Path, mark: Path) -> None:
+    """Remove what an installation's own .pth files import from PYTHONPATH before any program has a say."""
+    while True:
+        bare = ["python3", "-c", ""]
+        subprocess.run(bare, capture_output=True, check=False, env={**os.environ, "PYTHONPATH": str(folder)})
+        if not mark.exists():
+            return
+        (folder / f"{mark.read_text()}.py").unlink()
+        mark.unlink()
 
 
 def start(*command: str, folder: Path, path: str) -> subprocess.CompletedProcess[str]:

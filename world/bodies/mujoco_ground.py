@@ -5,6 +5,7 @@ that grip and creep by half a per cent, and where two robots touch they push eac
 each robot's radius; an e-puck's are assumed for all (`MASS`, `WHEEL`, `TRACK`).
 """
 
+import importlib
 import math
 from typing import Any
 
@@ -13,11 +14,6 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
 from formation.scenario.scenario import Scenario
-
-try:
-    import mujoco
-except ImportError:
-    mujoco = None
 
 STEP = 0.002
 """Largest step of the physics [s]."""
@@ -38,21 +34,25 @@ class MujocoGround:
         Raises:
             ScenarioError: MuJoCo is not installed.
         """
-        if mujoco is None:
+        try:
+            self._mujoco: Any = importlib.import_module("mujoco")  # here, for no other bodies need it
+        except ImportError:
             raise ScenarioError(
                 "bodies.implementation: expected MuJoCo for 'mujoco' (pip install 'mujoco==4.0.0'; it is in no "
                 "container); got none. 'wheeled' needs nothing"
-            )
+            ) from None
         self._radii = scenario.bodies.radii(scenario.size)
         self._steps = math.ceil(scenario.control_interval / STEP - 1e-9)
         starts, speeds = scenario.start_poses().tolist(), scenario.reference().block(0).inputs[0].tolist()
-        self._model: Any = mujoco.MjModel.from_xml_string(_world(self._radii, scenario.control_interval / self._steps))
-        self._data: Any = mujoco.MjData(self._model)
+        self._model: Any = self._mujoco.MjModel.from_xml_string(
+            _world(self._radii, scenario.control_interval / self._steps)
+        )
+        self._data: Any = self._mujoco.MjData(self._model)
         for i, ((x, y, theta), (v, omega)) in enumerate(zip(starts, speeds, strict=True)):
             self._place(i, x, y, theta)
             wheels = self._wheels(i, v, omega)
             self._data.qvel[8 * i : 8 * i + 8] = v * math.cos(theta), v * math.sin(theta), 0.0, 0.0, 0.0, omega, *wheels
-        mujoco.mj_forward(self._model, self._data)
+        self._mujoco.mj_forward(self._model, self._data)
 
     def roll(self, speeds: list[tuple[float, float]], carried: FloatArray | None, dt: float) -> FloatArray:
         """Poses (n, 3) a tick later.
@@ -64,7 +64,7 @@ class MujocoGround:
         """
         for i, (v, omega) in enumerate(speeds):
             self._data.ctrl[2 * i : 2 * i + 2] = self._wheels(i, v, omega)
-        mujoco.mj_step(self._model, self._data, nstep=self._steps)
+        self._mujoco.mj_step(self._model, self._data, nstep=self._steps)
         poses = np.array([self._pose(i) for i in range(len(speeds))])
         if carried is not None:
             poses += dt * carried

@@ -1,9 +1,10 @@
 """Laws of the bodies that MuJoCo moves."""
 
+import sys
+
 import numpy as np
 import pytest
 
-import world.bodies.mujoco_ground as module
 from formation.errors import ScenarioError
 from formation.scenario.files import load
 from runtime.inprocess import Simulation, simulate
@@ -60,6 +61,6 @@ def test_bodies_do_not_pass_through_each_other() -> None:
 
 
 def test_without_mujoco_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "mujoco", None)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ScenarioError, match=r"bodies.implementation: .*pip install"):
         simulate(load("triangle-circle", {"bodies": "mujoco:epuck", "duration": 0.1}))

@@ -19,7 +19,8 @@ from network import topics
 from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.control import GetSetup, request
-from network.messages import WORLD, Plan, Setup, Status, Tick
+from network.messages import WORLD, Plan, Status, Tick
+from network.requests import Setup
 
 STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""

@@ -18,7 +18,8 @@ from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
-from network.messages import Request, State
+from network.messages import State
+from network.requests import Request
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name

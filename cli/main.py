@@ -26,6 +26,8 @@ COMMANDS = {
     "completion": "print a script for the shell's completion",
 }
 """Every command is a module of this room with `arguments(parser)` and `run(options)`."""
+LIVE = {"up", "fault", "control", "status"}
+"""The modules of cli/live/."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -64,7 +66,7 @@ def _run(words: Sequence[str], *, as_program: bool) -> int:
             importlib.import_module("runtime.fork_server").start_early()
         words = [_whole(word, words) for word in words]
         options = _commands(words[:1]).parse_args(words)  # only this command's module is imported: some are slow to
-        module = importlib.import_module(f"cli.{options.command}")
+        module = importlib.import_module(_module(options.command))
         if as_program:
             program.raise_interrupts()
         code = int(module.run(options) or 0)
@@ -97,8 +99,12 @@ def _commands(wanted: Sequence[str]) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
         if name in wanted:
-            importlib.import_module(f"cli.{name}").arguments(command)
+            importlib.import_module(_module(name)).arguments(command)
     return parser
+
+
+def _module(command: str) -> str:
+    return f"cli.live.{command}" if command in LIVE else f"cli.{command}"
 
 
 def _starts_processes(words: Sequence[str]) -> bool:

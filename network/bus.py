@@ -14,7 +14,8 @@ from typing import NamedTuple, Protocol, Self
 
 from network.codec import decode
 from network.control import GetSetup, Operation, request
-from network.messages import Message, Reply, Request, Setup
+from network.messages import Message
+from network.requests import Reply, Request, Setup
 from network.throttled_log import ThrottledLog
 
 MAX_ARRIVALS = 1000

@@ -10,7 +10,7 @@ from formation.paths.driven import OrderedSpeed, OrderedTurn
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
 from network.fields import Link
-from network.messages import Request
+from network.requests import Request
 
 MAX_SECONDS, FARTHEST = 1e6, 1e6
 """Of an order [s], and of a goal [m]."""

@@ -14,7 +14,8 @@ from typing import NamedTuple
 from network import topics
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import encode
-from network.messages import Message, Request
+from network.messages import Message
+from network.requests import Request
 
 
 class Letter(NamedTuple):

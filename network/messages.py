@@ -5,11 +5,9 @@
 """
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from formation import link_ids
 from formation.faults import Fault
-from formation.scenario.user_code import UserCode
 from network import values
 from network.fields import (
     STRICT,
@@ -18,7 +16,6 @@ from network.fields import (
     Flag,
     Inputs,
     Link,
-    LongText,
     MaybePoses,
     Measurements,
     News,
@@ -35,6 +32,7 @@ from network.fields import (
     Velocity,
     Way,
 )
+from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
@@ -257,43 +255,6 @@ class Ghost:
     angle_errors: Numbers
     tracking_error: NonNegative
     """As in State."""
-    __pydantic_config__ = STRICT
-
-
-@dataclass(frozen=True, slots=True)
-class Setup:
-    """World to whoever asks: scenario, mode and faults. An agent that receives a new revision in a tick asks for it."""
-
-    sender: Sender
-    seq: Count
-    stamp: NonNegative
-    episode: Count
-    revision: Count
-    scenario: LongText
-    """JSON of the formation.scenario.Scenario, with the controller in use."""
-    mode: Mode
-    faults: dict[Link, Fault]  # as in State
-    user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
-    __pydantic_config__ = STRICT
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """Client to world: an operation with its arguments; see network/control.py."""
-
-    operation: Text
-    arguments: dict[str, Any] = field(default_factory=dict)
-    __pydantic_config__ = STRICT
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """World to client: done, or the reason why not."""
-
-    ok: Flag
-    reason: Text = ""
-    """One line, if not ok."""
-    value: dict[str, Any] = field(default_factory=dict)
     __pydantic_config__ = STRICT
 
 

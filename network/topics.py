@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
-from network.messages import Command, Ghost, Plan, Reply, Request, Setup, State, Status, Tick
+from network.messages import Command, Ghost, Plan, State, Status, Tick
+from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Mode
 

@@ -18,7 +18,8 @@ from formation.errors import EchelonError
 from network import topics
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
-from network.messages import Message, Request
+from network.messages import Message
+from network.requests import Request
 
 LEASE_MS = 1000
 """Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""

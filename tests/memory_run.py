@@ -14,7 +14,8 @@ from network.bus import Publish, Response, perform
 from network.codec import decode
 from network.control import Operation, request
 from network.memory_bus import Letter, MemoryBus, MemoryHub
-from network.messages import Command, Reply
+from network.messages import Command
+from network.requests import Reply
 from network.throttled_log import ThrottledLog
 from world import process as world_process
 from world.node import WorldNode

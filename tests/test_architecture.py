@@ -50,7 +50,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "network": [
         {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
-        {"stretch"},
+        {"stretch", "requests"},
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},

@@ -7,7 +7,7 @@ from network import control
 from network.bus import Action, Query, Reject, Respond
 from network.codec import decode, encode
 from network.control import Operation
-from network.messages import Reply, Request
+from network.requests import Reply, Request
 from world.run_control import BETWEEN_TICKS, RunControl
 from world.world import World
 

@@ -15,7 +15,8 @@ from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
-from network.messages import WORLD, Command, Setup, State, Status, Tick
+from network.messages import WORLD, Command, State, Status, Tick
+from network.requests import Setup
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for

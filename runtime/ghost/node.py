@@ -16,7 +16,8 @@ from network import topics
 from network.bus import Action, Ask, Incoming, Publish, Reject, Response, Sample
 from network.codec import decode
 from network.control import GetOrders, GetSetup, Operation, Orders, request
-from network.messages import Reply, Request, Setup, State
+from network.messages import State
+from network.requests import Reply, Request, Setup
 from runtime.ghost.shadow import Shadow
 
 IDLE_SECONDS = 0.25

@@ -12,7 +12,8 @@ from network.bus import Incoming, Query, Sample
 from network.codec import decode, encode
 from network.control import Operation, operation
 from network.memory_bus import MemoryBus, MemoryHub
-from network.messages import Ghost, Reply, Request, Setup, State
+from network.messages import Ghost, State
+from network.requests import Reply, Request, Setup
 from tests.builders import state
 
 

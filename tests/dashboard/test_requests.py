@@ -8,7 +8,7 @@ import pytest
 from dashboard.requests import RequestQueue
 from network.bus import Bus
 from network.control import Drive, Pause, SetFault
-from network.messages import Reply
+from network.requests import Reply
 from tests.dashboard.fakes import FakeTelemetry, world
 
 

@@ -14,7 +14,7 @@ from formation.scenario.scenario import Scenario
 from network import control
 from network.codec import decode, encode
 from network.control import UseScenario
-from network.messages import Request
+from network.requests import Request
 from world.run_control import RunControl, with_controller
 from world.world import World
 

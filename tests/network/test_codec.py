@@ -20,14 +20,8 @@ from formation.errors import WireError
 from network import topics
 from network.codec import MAX_BYTES, decode, encode, seal, unseal
 from network.link import damaged
-from network.messages import (
-    VERSION,
-    Command,
-    Message,
-    Plan,
-    Reply,
-    Request,
-)
+from network.messages import VERSION, Command, Message, Plan
+from network.requests import Reply, Request
 from tests import builders
 from tests.strategies import PLAIN, TEXT, of
 

@@ -9,7 +9,8 @@ from network.bus import Ask, Connection, Incoming, Presence, Publish, Query, Res
 from network.codec import decode, encode
 from network.control import Pause, request
 from network.memory_bus import Letter, MemoryBus, MemoryHub
-from network.messages import Reply, Request, State
+from network.messages import State
+from network.requests import Reply, Request
 from network.throttled_log import ThrottledLog
 from tests.builders import state
 

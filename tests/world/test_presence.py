@@ -7,7 +7,7 @@ import pytest
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from network.control import Kill, Restart, operation
-from network.messages import Request
+from network.requests import Request
 from world.presence import SUSPECT_SECONDS, AgentPresence
 from world.rate import Rate
 from world.run_control import RunControl

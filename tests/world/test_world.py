@@ -23,7 +23,8 @@ from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
-from network.messages import Command, Setup, State, Tick
+from network.messages import Command, State, Tick
+from network.requests import Setup
 from network.values import LinkCounts
 from tests.builders import command, status
 from world.bodies.wheeled import WheeledBodies

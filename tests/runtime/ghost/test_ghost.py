@@ -12,7 +12,7 @@ from formation.link_ids import LinkId, every_link
 from formation.scenario.files import load
 from network.codec import MAX_BYTES, encode
 from network.control import Compare, GetOrders, Orders, Pause, SetFault
-from network.messages import Reply
+from network.requests import Reply
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
 from world.faults import KEPT_CHANGES, TOLD_CHANGES, FaultState

@@ -8,8 +8,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from cli.live.talk import newest_state
 from cli.options import add_run, session
-from cli.talk import newest_state
 from network.messages import State
 from runtime.run_registry import live as live_runs
 

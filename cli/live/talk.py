@@ -7,7 +7,8 @@ from network import topics
 from network.bus import Bus, Sample
 from network.codec import decode
 from network.control import Operation
-from network.messages import Reply, State
+from network.messages import State
+from network.requests import Reply
 
 ANSWER_SECONDS = 3.0
 

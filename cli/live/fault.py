@@ -5,13 +5,13 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from cli.live.talk import ask, newest_state
 from cli.options import add_run, session
-from cli.talk import ask, newest_state
 from formation.errors import FaultError
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault, with_changes
 from formation.link_ids import LinkId
 from network.control import operation
-from network.messages import Request
+from network.requests import Request
 
 _OPERATIONS = {"set": "fault", "preset": "preset", "clear": "clear"}
 _FLAGS = ("cut", "keep_order")

@@ -2,14 +2,14 @@
 
 import argparse
 
+from cli.live.talk import ask
 from cli.options import add_run, session
-from cli.talk import ask
 from dashboard.scenario_list import use_table
 from formation.errors import EchelonError
 from formation.scenario.files import is_file, load
 from network import control
 from network.control import Operation
-from network.messages import Request
+from network.requests import Request
 
 _ACTIONS = {
     "start": "start, or continue",

@@ -1,0 +1,1 @@
+"""Commands that start a live run or talk to one."""

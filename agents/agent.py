@@ -64,7 +64,10 @@ class Agent:
         self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
-        self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
+        inputs = {"sees": own.uses_sight, "listens": own.uses_plans}
+        self._estimator: Estimator = (
+            LatestPose(scenario) if raw else WindowEstimator(scenario, self._task, self._motors, **inputs)
+        )
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors)
@@ -76,13 +79,8 @@ class Agent:
         self.observation: Observation | None = None
         """What the controller was asked with last."""
         self._sending = Sending(own.send_when, scenario.spacing)
-        self._acting = 0.0
-        self._fresh = True
+        self._acting, self._fresh = 0.0, True
         self._solves: list[float] = []
-
-    def _filter(self, scenario: Scenario) -> WindowEstimator:
-        own = scenario.controller
-        return WindowEstimator(scenario, self._task, self._motors, sees=own.uses_sight, listens=own.uses_plans)
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
@@ -92,6 +90,12 @@ class Agent:
         self._avoidance.set_faults(faults)
         if self._driver:
             self._driver.set_faults(faults)
+
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """From tick k on the formation has the offsets of this scenario; before it they are the same."""
+        self._task.reshape(scenario, k)
+        if self._driver:
+            self._driver.reshape(k, scenario)
 
     @property
     def hears(self) -> list[int]:
@@ -160,8 +164,7 @@ class Agent:
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
-        command = Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
-        return Answer(command, None)
+        return Answer(Command(self.robot, k, stamp, self.episode, 0, 0, age, False, 0, failure=self._failure), None)
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""
@@ -195,9 +198,7 @@ class Agent:
         slot, tail = task.slot(at, 1)
         belief = self._receivers[0].belief
         aged = belief.aged(begins, slot, tail) if self._ages else belief.as_if_fresh(slot, tail)
-        other = None
-        if len(self._receivers) > 1:
-            other = self._receivers[1].belief.aged(begins, *task.slot(at, 3))
+        other = self._receivers[1].belief.aged(begins, *task.slot(at, 3)) if len(self._receivers) > 1 else None
         observation = self.observation = Observation(
             at,
             own.pose,
@@ -296,5 +297,4 @@ class Agent:
         at = k + self._motors.delay
         slot, tail = self._task.slot(at, 1)
         other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._task.tick, slot, tail)
-        poses = np.concatenate([own, other.pose])
-        return self._game.gap(at, poses, np.hstack([solution.inputs, other.inputs]))
+        return self._game.gap(at, np.concatenate([own, other.pose]), np.hstack([solution.inputs, other.inputs]))

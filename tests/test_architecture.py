@@ -70,7 +70,8 @@ INSIDE: dict[str, list[set[str]]] = {
     ],
     "world": [
         {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
-        {"trace", "rate", "sight"},
+        {"trace", "rate", "sight", "interventions"},
+        {"episode"},
         {"world"},
         {"presence", "journal", "samples"},
         {"run_control"},

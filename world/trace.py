@@ -22,7 +22,7 @@ class Trace:
     """Poses, ages and solve times of one episode of known length."""
 
     def __init__(self, scenario: Scenario, ticks: int, reference: Reference | DrivenReference) -> None:
-        self._scenario, self._reference = scenario, reference
+        self._scenario, self.reference = scenario, reference
         n = scenario.size
         self._poses = np.zeros((ticks + 1, n, 3))
         self._inputs = np.zeros((ticks, n, 2))
@@ -76,7 +76,7 @@ class Trace:
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        reference = self._reference
+        reference = self.reference
         distance, angle = pattern_errors(poses, reference.positions(t))
         return distance, angle, tracking_error(poses, reference.centre(t))
 
@@ -121,7 +121,7 @@ class Trace:
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
-            "reference_lag_s": self._reference.lag(done * scenario.control_interval),
+            "reference_lag_s": self.reference.lag(done * scenario.control_interval),
             "links": {
                 str(link): {
                     "sent": c.sent,

@@ -39,7 +39,7 @@ class PushPanel:
             self._robot: Any = gui.add_dropdown("Robot", ("Robot 1",))
             self._acting = gui.add_html("")
             self._timed = gui.add_checkbox(
-                f"For {FOR_SECONDS:.0f} s", True, hint="Else until Release or a reset; simulated time"
+                f"Push for {FOR_SECONDS:.0f} s", True, hint="Else until Release or a reset; simulated time"
             )
             for row in (*buttons[:-1], [*buttons[-1], RELEASE]):
                 group = gui.add_button_group(" ", tuple(row), hint=_hint(row))

@@ -34,7 +34,7 @@ def test_buttons_push_the_chosen_robot_for_a_time_or_until_it_is_released(pushed
     page.press("Stuck")
     page.until(lambda: [(one.robot, one.text) for one in run.state().pushes] == [(3, "stuck")], "push")
     page.wait_text(r"robot 3: stuck,\s+\d+ s left")
-    page.tick("For 10 s", False)
+    page.tick("Push for 10 s", False)
     page.press("Blind")
     page.wait_text(r"robot 3: not localised\s+until released")
     page.press("Release")
@@ -56,30 +56,30 @@ def test_a_robot_is_dragged_aside_with_the_mouse(pushed: tuple[BrowserRun, Drive
     assert box is not None
     places = page.bodies()
     ratio = page.page.evaluate("window.__viserMutable.canvas.width") / box["width"]
-    (x, y), _ = page.pixel(places[1])
-    (far, _), _ = page.pixel(places[1] + [0.1, 0.0, 0.0])
+    (x, y), _ = page.pixel(places[3])  # notices cover others
+    (far, _), _ = page.pixel(places[3] + [0.1, 0.0, 0.0])
     shown = abs(far - x) / ratio / 0.1  # px per metre
     mouse = page.page.mouse
     mouse.move(box["x"] + x / ratio, box["y"] + y / ratio)
     mouse.down()
     for share in (0.3, 0.6, 1.0):
         mouse.move(box["x"] + x / ratio + share * 0.05 * shown, box["y"] + y / ratio)
-        page.page.wait_for_timeout(150)
+        page.page.wait_for_timeout(250)
     mouse.up()
     page.until(lambda: run.state().interventions > before, "move")
     page.until(
         lambda: np.hypot(*(run.state().poses[1] - run.state().slots[1])[:2]) > 0.02, "robot beside its slot", 5.0
     )
-    page.wait_text(r"robot 2: pushed at|No robot is pushed")
+    page.wait_text(r"robot 4: pushed at|No robot is pushed")
 
 
 def test_shape_and_spacing_change_while_it_runs_and_a_reset_returns(pushed: tuple[BrowserRun, Driven]) -> None:
     run, page = pushed
     apart = nearest(run.state().slots[:, :2])[2]
     page.choose("Shape", "line")
-    page.until(lambda: _in_line(run.state().slots), "line", 30.0)
+    page.until(lambda: _in_line(run.state().slots), "line", 90.0)
     page.fill("Spacing mm", "140")
-    page.until(lambda: abs(nearest(run.state().slots[:, :2])[2] - 0.14) < 1e-3, "spacing", 30.0)
+    page.until(lambda: abs(nearest(run.state().slots[:, :2])[2] - 0.14) < 1e-3, "spacing", 90.0)
     assert page.chosen("Shape") == "choose…"
     page.wait_text("the shape becomes line, spacing 0.1 m")
     page.press("Reset")
@@ -88,8 +88,8 @@ def test_shape_and_spacing_change_while_it_runs_and_a_reset_returns(pushed: tupl
 
 
 def _off(state: State) -> float:
-    """Of robot 2 from its slot [m]."""
-    return float(np.hypot(*(state.poses[1] - state.slots[1])[:2]))
+    """Of robot 4 from its slot [m]."""
+    return float(np.hypot(*(state.poses[3] - state.slots[3])[:2]))
 
 
 def _in_line(slots: np.ndarray) -> bool:

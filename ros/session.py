@@ -102,7 +102,7 @@ class RosSession:
         callback = zenoh.handlers.Callback(arrived, indirect=False)
         subscriber = self._session.declare_subscriber(theirs.any_hash, callback)
         self._show(theirs._replace(kind="MS", namespace="/", node=self._node, qos=DEFAULT_QOS))
-        return subscriber.undeclare  # type: ignore[no-any-return]
+        return subscriber.undeclare
 
     def _show(self, endpoint: Endpoint) -> None:
         """Declare the tokens by which nodes of ROS 2 know of an endpoint."""

@@ -93,7 +93,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"tokens", "decoding"},
         {"session", "spec"},
         {"survey"},
-        {"readiness", "body", "display"},
+        {"readiness", "body"},
     ],
     "dashboard": [
         {"telemetry"},
@@ -121,7 +121,6 @@ CLOCKS = {
     "network/throttled_log.py",
     "records/process.py",
     "ros/body/process.py",
-    "ros/display/process.py",
     "ros/readiness.py",
     "ros/session.py",
     "runtime",

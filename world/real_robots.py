@@ -113,7 +113,7 @@ class RealRobots:
                 self._asked.pop(robot, None)
                 text = f"robot {robot} is lost: no pose for {LOST_SECONDS:g} s" if lost else f"robot {robot} is back"
                 world.event("agent", text, "error" if lost else "info")
-            wish = Kill(robot=robot) if lost and robot in world.live else None
+            wish: Kill | Restart | None = Kill(robot=robot) if lost and robot in world.live else None
             if not lost and robot in self._ended and robot not in world.live:
                 wish = Restart(robot=robot)
             if wish is not None and now - self._asked.get(robot, -AGAIN_SECONDS) >= AGAIN_SECONDS:

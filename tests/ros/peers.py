@@ -39,7 +39,7 @@ def router() -> Iterator[str]:
     try:
         yield endpoint
     finally:
-        session.close()
+        session.close()  # type: ignore[no-untyped-call]
 
 
 class Robot:

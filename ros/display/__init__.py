@@ -1,1 +1,0 @@
-"""The robots of a run as ROS 2 sees them."""

@@ -15,7 +15,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m network.health", description=__doc__)
     parser.add_argument("--run", required=True)
     parser.add_argument("--connect", required=True)
-    parser.add_argument("--role", required=True, choices=["router", "world", "agent", "recorder", "ghost", "dashboard"])
+    parser.add_argument("--role", required=True, choices=["router", "world", "agent", "recorder", "ghost", "dashboard", "body"])
     parser.add_argument("--id", type=int, default=0)
     options = parser.parse_args(arguments)
     try:

@@ -103,7 +103,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"export", "notices"},
         {"requests", "scenario_list"},
         {"panels"},
-        {"serving"},
+        {"overlay", "serving"},
         {"page"},
         {"__main__"},
     ],

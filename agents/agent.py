@@ -259,7 +259,7 @@ class Agent:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
-        belief = self._receivers[0].belief
+        belief, asked = self._receivers[0].belief, self.observation
         return Status(
             sender=self.robot,
             seq=k,
@@ -279,6 +279,7 @@ class Agent:
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
             lost=self._sending.last is not None and self._sending.last.lost,
             keeps_off=self._avoidance.who,
+            believes=asked.believes(self._task.tick) if asked else None,
         )
 
     @property

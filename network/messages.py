@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from formation import link_ids
 from formation.faults import Fault
 from network import values
+from network.bodies import BodyInput, BodyPose
 from network.fields import (
     STRICT,
     Count,
@@ -183,6 +184,8 @@ class Status:
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
     lost: Flag = False  # as in Plan
+    believes: values.Believed | None = None
+    """What its controller was given of the neighbour upstream for its newest plan; None before the first."""
     __pydantic_config__ = STRICT
 
 
@@ -262,4 +265,4 @@ class Ghost:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | BodyInput | BodyPose | Setup | Request | Reply

@@ -1,7 +1,7 @@
 """An episode as the world keeps it: bodies, faults, events and trace; what displays and agents get of it."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, State, Status, Tick
 from network.requests import Setup
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
+from world.bodies.interface import Bodies
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
@@ -31,6 +32,8 @@ KEPT_EVENTS = 5000
 
 class Episode:
     """Bodies, links to them, faults, events and trace of one episode after the other; world/world.py moves it on."""
+
+    bodies_for: Callable[[Scenario], Bodies] = staticmethod(bodies_for)
 
     def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """The start of an episode.
@@ -57,7 +60,7 @@ class Episode:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.endless
-        self.plant, self._sight = bodies_for(scenario), Sight(scenario)
+        self.plant, self._sight = self.bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.interventions = Interventions(scenario, getattr(self.plant, "disturb", None))

@@ -64,10 +64,9 @@ class Agent:
         self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
-        inputs = {"sees": own.uses_sight, "listens": own.uses_plans}
-        self._estimator: Estimator = (
-            LatestPose(scenario) if raw else WindowEstimator(scenario, self._task, self._motors, **inputs)
-        )
+        hears = {"sees": own.uses_sight, "listens": own.uses_plans}
+        window = None if raw else WindowEstimator(scenario, self._task, self._motors, **hears)
+        self._estimator: Estimator = window or LatestPose(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors)
@@ -159,12 +158,14 @@ class Agent:
         v, omega = self._avoidance.filter(k, self._speed, *self._input(k))
         self._motors.command(k, v, omega)
         good, off = self._converged, self._avoidance.who
-        command = Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
-        return Answer(command, plan)
+        return Answer(
+            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off), plan
+        )
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
-        return Answer(Command(self.robot, k, stamp, self.episode, 0, 0, age, False, 0, failure=self._failure), None)
+        command = Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
+        return Answer(command, None)
 
     def _measure(self, tick: Tick) -> None:
         """Own row of what the sensors deliver: odometry at once, the rest over the link from the world."""

@@ -27,7 +27,7 @@ class Disturbance(Model):
     drift: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
     """Velocity with which it is pushed, in the world's frame [m/s, m/s, rad/s]."""
     slip: NonNegative = 0.0
-    """Added to the standard deviation of the wheels' slip, as a share of v and of omega."""
+    """Added to the standard deviation of the wheels' slip, as a share of v and of omega [1]."""
     blind: bool = False
     """Whether localisation does not deliver."""
 

@@ -83,6 +83,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "records": [
         {"cdr", "definitions"},
         {"messages", "file", "scanning"},
+        {"pictures"},
         {"recorder", "repair", "record"},
         {"export"},
         {"process"},
@@ -93,7 +94,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"tokens", "decoding"},
         {"session", "spec"},
         {"survey"},
-        {"readiness", "body"},
+        {"readiness", "body", "display"},
     ],
     "dashboard": [
         {"telemetry"},
@@ -121,6 +122,7 @@ CLOCKS = {
     "network/throttled_log.py",
     "records/process.py",
     "ros/body/process.py",
+    "ros/display/process.py",
     "ros/readiness.py",
     "ros/session.py",
     "runtime",

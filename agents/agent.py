@@ -158,9 +158,8 @@ class Agent:
         v, omega = self._avoidance.filter(k, self._speed, *self._input(k))
         self._motors.command(k, v, omega)
         good, off = self._converged, self._avoidance.who
-        return Answer(
-            Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off), plan
-        )
+        command = Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
+        return Answer(command, plan)
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
@@ -196,8 +195,7 @@ class Agent:
         """Decide what to do, and say it."""
         task, at = self._task, k + self._motors.delay
         begins = stamp + self._motors.delay * task.tick
-        slot, tail = task.slot(at, 1)
-        belief = self._receivers[0].belief
+        belief, (slot, tail) = self._receivers[0].belief, task.slot(at, 1)
         aged = belief.aged(begins, slot, tail) if self._ages else belief.as_if_fresh(slot, tail)
         other = self._receivers[1].belief.aged(begins, *task.slot(at, 3)) if len(self._receivers) > 1 else None
         observation = self.observation = Observation(
@@ -297,6 +295,6 @@ class Agent:
             return 0.0
         _, solution, own, _ = self._last
         at = k + self._motors.delay
-        slot, tail = self._task.slot(at, 1)
-        other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._task.tick, slot, tail)
+        begins = stamp + self._motors.delay * self._task.tick
+        other = self._receivers[0].belief.aged(begins, *self._task.slot(at, 1))
         return self._game.gap(at, np.concatenate([own, other.pose]), np.hstack([solution.inputs, other.inputs]))

@@ -8,7 +8,7 @@ import viser
 
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
 from dashboard.requests import RequestQueue
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 from formation.disturbances import FARTHEST, PUSHES, Kind
 from formation.metrics import nearest

@@ -8,7 +8,8 @@ from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 from network.values import Mode
 from world.node import WorldNode
-from world.world import World
+from world.parts import Parts
+from world.resume.saver import Saver
 
 
 def join(bus: Bus, mode: Mode) -> None:
@@ -23,22 +24,24 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.appear("world")
 
 
-def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> bool:
+def run(bus: Bus, parts: Parts, lifetime: Lifetime, saver: Saver | None = None) -> bool:
     """Simulate a world until the lifetime is over, or a user stops it.
 
     Args:
         bus: of this process.
-        world: what is simulated.
+        parts: of the run, as it begins or goes on.
         lifetime: when to end.
-        speed: simulated seconds per second; 0 means as fast as possible.
-        start: begin as soon as every agent is there.
+        saver: keeps what another process would go on from; None: the run ends with this process.
 
     Returns:
         Whether a user stopped it.
     """
-    join(bus, world.mode)
-    node, log = WorldNode(bus.run, world, speed=speed, start=start), ThrottledLog()
+    join(bus, parts.world.mode)
+    node, log = WorldNode(bus.run, parts), ThrottledLog()
     while not (lifetime.over or node.over):
-        perform(bus, node.feed(bus.arrivals(node.patience(monotonic())), monotonic()), log)
+        actions = node.feed(bus.arrivals(node.patience(monotonic())), monotonic())
+        if saver is not None:
+            saver.look(parts)
+        perform(bus, actions, log)
     perform(bus, node.close(monotonic()), log)
     return node.over

@@ -5,6 +5,7 @@ It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides w
 
 from collections import deque
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,8 @@ from world.trace import Trace
 
 SHOWN_EVENTS = 40
 KEPT_EVENTS = 5000
+SKIPPED = 1 << 20
+"""Numbers that a world skips when it goes on from a saved state: the process before may have used them since."""
 
 
 class World:
@@ -57,6 +60,8 @@ class World:
         """Begin an episode of the scenario."""
         scenario = self._scenario
         self.k = 0
+        self.resumed: list[int] = []
+        """Ticks of this episode from which on a world went on from a saved state: there its segments begin."""
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.endless
         self.plant, self._sight = bodies_for(scenario), Sight(scenario)
@@ -189,6 +194,18 @@ class World:
         self._begin()
         self.live = live & set(self.robots)
 
+    def go_on(self) -> None:
+        """This is a saved state: begin a segment of the episode, in which every agent begins anew."""
+        self.episode += 1
+        self.revision += 1
+        self.resumed.append(self.k)
+        self._event_count += SKIPPED
+        self._planned = []
+        if self._tick is not None:  # the sensors measure once per tick
+            self._tick = replace(self._tick, episode=self.episode, revision=self.revision, planned=[])
+        text = f"the world was lost: segment {len(self.resumed) + 1} goes on from here, every agent begins anew"
+        self.event("run", text, "warning")
+
     def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
         """Set keys of a fault from the next tick on. Raises FaultError."""
         self.faults.change(link, changes, until)
@@ -239,6 +256,7 @@ class World:
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
             "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
+            "resumed_at": [k * self._scenario.control_interval for k in self.resumed],
             "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
@@ -294,5 +312,6 @@ class World:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            resumed=self.resumed,
             driving=self.driver.shown if self.driver else Driving(),
         )

@@ -132,7 +132,7 @@ class MemoryRun:
 
     def save_world(self) -> None:
         """Keep the state that another world may go on from."""
-        del self.world.advance  # type: ignore[method-assign]  # the recorder of this test's
+        del self.world.advance  # the recorder of this test's
         self._saved = dump(self.node.parts)
         self._record(self.world)
 
@@ -143,9 +143,9 @@ class MemoryRun:
 
         def start() -> None:
             parts = load(self._saved).parts
-            rows = self.world.trace.rows(0)
+            assert self.world.trace is not None
             assert parts.world.trace is not None
-            parts.world.trace.refill(rows.ravel(), parts.world.k)
+            parts.world.trace.refill(self.world.trace.rows(0).ravel(), parts.world.k)
             parts.go_on()
             self._start_world(parts)
 
@@ -244,7 +244,8 @@ class MemoryRun:
 
     @property
     def _processes(self) -> list[WorldProcess | AgentProcess]:
-        return [process for process in (self._world_process, *self.agents.values()) if process.alive]
+        every: list[WorldProcess | AgentProcess] = [self._world_process, *self.agents.values()]
+        return [process for process in every if process.alive]
 
     def _turns(self) -> bool:
         turned = False

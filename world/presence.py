@@ -134,6 +134,7 @@ class AgentPresence:
 
     def go_on(self) -> None:
         """Another process has known these agents: they are live, and their tokens are waited for."""
+        self._world.live -= self._dismissed
         self._agents = dict.fromkeys(self._world.live, Agent.MISSING)
         self._suspects = dict.fromkeys(self._world.live, 0.0)
         self._doubt = 0.0, RETURN_SECONDS

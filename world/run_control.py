@@ -155,6 +155,7 @@ class RunControl:
             "episode": world.episode,
             "changes": world.faults.changes,
             "drive_changes": driver.count if driver else 0,
+            "resumed": world.resumed,
             "tables": world.faults.since(tables),
             "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
         }

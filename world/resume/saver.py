@@ -20,8 +20,8 @@ class Saver:
     def __init__(self, folder: Path) -> None:
         """Nothing saved yet; the folder exists."""
         self._folder = folder
-        self._saved: tuple[int, int] | None = None
-        """Episode, and number of changes by users."""
+        self._saved: tuple[int, int, frozenset[int]] | None = None
+        """Episode, number of changes by users, and who took part."""
         self._k = self._rows = 0
         """The tick, and the rows of the trace, that were saved last."""
         self._failed = False
@@ -29,7 +29,7 @@ class Saver:
     def look(self, parts: Parts) -> None:
         """Save, if it is time; before what the run has just decided is published, or answered."""
         world = parts.world
-        key = world.episode, parts.control.changes
+        key = world.episode, parts.control.changes, frozenset(world.live)
         if self._saved == key and (world.k - self._k) * world.scenario.control_interval < SECONDS - 1e-9:
             return
         try:

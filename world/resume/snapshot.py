@@ -67,13 +67,16 @@ class _Unpickler(pickle.Unpickler):
 
     def persistent_load(self, name: str) -> Any:
         if name not in self._made:
-            make = {REFERENCE: self._scenario.reference, BODIES: lambda: bodies_for(self._scenario)}
-            self._made[name] = make[name]()
+            self._made[name] = bodies_for(self._scenario) if name == BODIES else self._scenario.reference()
         return self._made[name]
 
     def find_class(self, module: str, name: str) -> Any:
-        if module.startswith((*ROOMS, PREFIX)) or name in OTHERS.get(module, ()) or module in _installed():
+        if name in OTHERS.get(module, ()):
             return super().find_class(module, name)
+        if module.startswith((*ROOMS, PREFIX)) or module in _installed():
+            found = super().find_class(module, name)
+            if isinstance(found, type) and found.__module__ == module:  # no function, and nothing that it imports
+                return found
         raise pickle.UnpicklingError(f"{module}.{name} is not part of a run")
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from formation import link_ids
 from formation.faults import Fault
 from network import values
+from network.bodies import BodyInput, BodyPose
 from network.fields import (
     STRICT,
     Count,
@@ -259,4 +260,4 @@ class Ghost:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | BodyInput | BodyPose | Setup | Request | Reply

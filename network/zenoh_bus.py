@@ -153,7 +153,7 @@ class ZenohBus(Bus):
 
     def close(self) -> None:
         """Leave the network; never takes longer than CLOSE_SECONDS."""
-        _close(self._session)
+        close_session(self._session)
 
 
 class KeptSamples:
@@ -185,7 +185,7 @@ class Router:
 
     def close(self) -> None:
         """Stop listening."""
-        _close(self._session)
+        close_session(self._session)
 
 
 def _bytes(payload: zenoh.ZBytes) -> bytes:
@@ -193,7 +193,7 @@ def _bytes(payload: zenoh.ZBytes) -> bytes:
     return bytes(payload.to_bytes()) if len(payload) <= MAX_BYTES else b""
 
 
-def _close(session: zenoh.Session) -> None:
+def close_session(session: zenoh.Session) -> None:
     """Close within the time limit; a process that left a session open could never exit, so then it is ended."""
     closer = threading.Thread(target=session.close, daemon=True)
     closer.start()

@@ -39,6 +39,7 @@ NEEDS = {
     "bash": Need(lambda: shutil.which("bash") is not None, "apt-get install bash"),
     "mujoco": Need(package("mujoco"), "pip install -e .[test]"),
     "rosbags": Need(package("rosbags"), "pip install -e .[test]"),
+    "zenoh-ros2-sdk": Need(package("zenoh_ros2_sdk"), "pip install -e .[test]"),
     "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
 }
 """By name."""

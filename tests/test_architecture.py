@@ -15,11 +15,12 @@ ALLOWED = {
     "agents": {"formation", "network"},
     "world": {"formation", "network"},
     "records": {"formation", "network"},
+    "ros": {"formation", "network", "records"},
     "dashboard": {"formation", "network"},
     "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
     "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
     "api": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
-    "cli": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
+    "cli": {"formation", "network", "agents", "world", "records", "ros", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
@@ -50,7 +51,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "network": [
         {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
-        {"stretch", "requests"},
+        {"bodies", "stretch", "requests"},
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},
@@ -75,7 +76,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"presence", "journal", "samples"},
         {"run_control"},
         {"requests", "display"},
-        {"parts"},
+        {"parts", "real_robots"},
         {"node", "resume"},
         {"process"},
         {"__main__"},
@@ -87,6 +88,13 @@ INSIDE: dict[str, list[set[str]]] = {
         {"export"},
         {"process"},
         {"__main__"},
+    ],
+    "ros": [
+        {"types"},
+        {"tokens", "decoding"},
+        {"session", "spec"},
+        {"survey"},
+        {"readiness", "body"},
     ],
     "dashboard": [
         {"telemetry"},
@@ -113,6 +121,9 @@ CLOCKS = {
     "network/lifetime.py",
     "network/throttled_log.py",
     "records/process.py",
+    "ros/body/process.py",
+    "ros/readiness.py",
+    "ros/session.py",
     "runtime",
     "world/process.py",
 }
@@ -200,8 +211,9 @@ def test_no_other_folder_holds_code_of_the_product() -> None:
     assert folders - set(ROOMS) <= {"tests", "benchmarks", "docs", "examples", ".ci"}
 
 
-def test_zenoh_is_imported_in_one_module_of_network() -> None:
-    assert importers("zenoh") == {"network/zenoh_bus.py"}
+def test_zenoh_is_imported_where_a_session_is_made_only() -> None:
+    """The run's, and those on other people's routers."""
+    assert importers("zenoh") == {"network/zenoh_bus.py", "ros/session.py"}
 
 
 def test_mcap_is_imported_in_records_only() -> None:

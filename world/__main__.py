@@ -17,6 +17,7 @@ from network.zenoh_bus import ZenohBus
 from world.bodies.own import load_bodies
 from world.parts import Parts
 from world.process import run
+from world.real_robots import MixedWorld, RealRobots
 from world.resume.saver import Saver, saved
 from world.resume.snapshot import SnapshotError
 from world.world import World
@@ -38,6 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--controllers", default="[]", metavar="JSON", help="what is known of controllers of users' own"
     )
+    parser.add_argument("--real", type=int, action="append", default=[], metavar="N", help="a robot that is real")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
     try:
@@ -47,7 +49,8 @@ def main(arguments: list[str] | None = None) -> int:
         folder = Path(options.folder) if options.folder else None
         parts = (_saved(folder) if folder else None) or _begun(options)
         with ZenohBus(options.connect, options.run) as bus:
-            stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None)
+            robots = parts.world.real if isinstance(parts.world, MixedWorld) else None
+            stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None, robots)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2
@@ -68,8 +71,12 @@ def _begun(options: argparse.Namespace) -> Parts:
     scenario = load(options.scenario, from_json(options.overrides))
     check_live(scenario.controller.name)
     mode: Mode = "realtime" if options.realtime else "lockstep"
-    # A world that was started again must not be mistaken for the one before.
-    world = World(scenario, episode=secrets.randbits(48), endless=options.endless, mode=mode)
+    episode = secrets.randbits(48)  # a world that was started again must not be mistaken for the one before
+    if options.real:
+        robots = RealRobots(options.run, options.real)
+        world: World = MixedWorld(scenario, robots, episode=episode, endless=options.endless)
+    else:
+        world = World(scenario, episode=episode, endless=options.endless, mode=mode)
     return Parts.of(world, speed=options.speed, start=not options.paused)
 
 

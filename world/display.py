@@ -7,7 +7,8 @@ from network.messages import State
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.run_control import RunControl
-from world.world import SKIPPED, World
+from world.states import SKIPPED
+from world.world import World
 
 STATE_INTERVAL = topics.STATE.interval
 """Between two states [s]."""

@@ -9,6 +9,7 @@ from network.throttled_log import ThrottledLog
 from network.values import Mode
 from world.node import WorldNode
 from world.parts import Parts
+from world.real_robots import RealRobots, between
 from world.resume.saver import Saver
 
 
@@ -24,7 +25,9 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.appear("world")
 
 
-def run(bus: Bus, parts: Parts, lifetime: Lifetime, saver: Saver | None = None) -> bool:
+def run(
+    bus: Bus, parts: Parts, lifetime: Lifetime, saver: Saver | None = None, robots: RealRobots | None = None
+) -> bool:
     """Simulate a world until the lifetime is over, or a user stops it.
 
     Args:
@@ -32,14 +35,20 @@ def run(bus: Bus, parts: Parts, lifetime: Lifetime, saver: Saver | None = None) 
         parts: of the run, as it begins or goes on.
         lifetime: when to end.
         saver: keeps what another process would go on from; None: the run ends with this process.
+        robots: those that are real, if there are any.
 
     Returns:
         Whether a user stopped it.
     """
     join(bus, parts.world.mode)
     node, log = WorldNode(bus.run, parts), ThrottledLog()
+    feed = node.feed if robots is None else between(robots, parts.world, node.feed)
+    for key in robots.poses_from if robots else ():
+        bus.subscribe(key)
+    for key in robots.inputs_to if robots else ():
+        bus.announce(key)
     while not (lifetime.over or node.over):
-        actions = node.feed(bus.arrivals(node.patience(monotonic())), monotonic())
+        actions = feed(bus.arrivals(node.patience(monotonic())), monotonic())
         if saver is not None:
             saver.look(parts)
         perform(bus, actions, log)

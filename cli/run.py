@@ -12,9 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from formation.errors import EchelonError
-from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
 from runtime.precompile import ensure_compiled
@@ -35,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     """Simulate and print the measures."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
-    scenario, overrides = load(options)
+    scenario, _ = load(options)
     if not 0.0 <= options.warmup < scenario.duration:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
@@ -46,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, overrides, record, report)
+            summary = _processes(scenario, options, record, report)
     if record is not None:
         tell(f"recorded in {record}")
     if options.json:
@@ -70,15 +69,12 @@ def _inprocess(
 def _processes(
     scenario: Scenario,
     options: argparse.Namespace,
-    overrides: Overrides,
     record: Path | None,
     report: Callable[[float], None],
 ) -> dict[str, Any]:
     with LiveRun(
         f"run-{os.getpid()}",
         scenario,
-        source(options),
-        overrides,
         tell=tell,
         speed=1.0 if options.realtime else 0.0,
         realtime=options.realtime,

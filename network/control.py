@@ -201,6 +201,8 @@ class Orders(_Operation):
     intervention_changes: int = 0
     """Number of interventions in this episode so far."""
     interventions: list[Intervention] = Field(default_factory=list)
+    resumed: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
+    """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
 
 class GetTrace(_Operation):

@@ -245,6 +245,7 @@ class State:
     """Number of interventions of users in this episode."""
     pushes: list[Pushed] = field(default_factory=list)
     """Disturbances that act now."""
+    resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first
     __pydantic_config__ = STRICT
 
 

@@ -10,7 +10,7 @@ from agents.controllers.registry import team_for
 from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from world.trace import Trace
+from world.measures.trace import Trace
 from world.world import World
 
 PROGRESS_TICKS = 50
@@ -64,6 +64,14 @@ class Simulation:
         """Whether the scenario's duration is over."""
         return self.world.finished
 
+    def go_on(self) -> None:
+        """Begin a segment, as a live run does whose world was lost: every agent begins anew."""
+        assert self._team is None  # no live run has one
+        self.world.go_on()
+        self._scenario = self.world.scenario
+        self.agents = {robot: self._agent(robot) for robot in self.world.robots}
+        self._plans = []
+
     def step(self) -> dict[int, Answer]:
         """One tick: deliver plans, plan, move. What every agent answered."""
         world, agents = self.world, self.agents
@@ -100,7 +108,7 @@ class Simulation:
 def simulate(
     scenario: Scenario, *, progress: Callable[[float], None] | None = None, warmup: float = 0.0
 ) -> dict[str, Any]:
-    """Simulate the scenario to its end and return the summary (world/trace.py).
+    """Simulate the scenario to its end and return the summary (world/measures/trace.py).
 
     Args:
         scenario: what to simulate.

@@ -76,6 +76,7 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
         [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
     )
+    shadow.resume_at(episode.resumed)
     compared = 0
     for tick in episode.ticks:
         if tick > end:

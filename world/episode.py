@@ -1,7 +1,7 @@
 """An episode as the world keeps it: bodies, faults, events and trace; what displays and agents get of it."""
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,13 @@ from world.bodies.interface import Bodies
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
-from world.contacts import Contacts, Excursions
-from world.convergence import Convergence
 from world.driver import Driver
 from world.faults import FaultState
 from world.interventions import Interventions
+from world.measures.contacts import Contacts, Excursions
+from world.measures.convergence import Convergence
+from world.measures.trace import Trace
 from world.sight import Sight
-from world.trace import Trace
 
 SHOWN_EVENTS = 40
 KEPT_EVENTS = 5000
@@ -32,8 +32,6 @@ KEPT_EVENTS = 5000
 
 class Episode:
     """Bodies, links to them, faults, events and trace of one episode after the other; world/world.py moves it on."""
-
-    bodies_for: Callable[[Scenario], Bodies] = staticmethod(bodies_for)
 
     def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """The start of an episode.
@@ -54,16 +52,21 @@ class Episode:
         self._begin()
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
+    def bodies_for(self, scenario: Scenario) -> Bodies:
+        """The bodies of an episode."""
+        return bodies_for(scenario)
+
     def _begin(self) -> None:
         """Begin an episode of the scenario."""
-        scenario = self._scenario = self.given
+        scenario = self.scenario = self.given
         self.k = 0
         self._earlier_events = self._event_count
+        self.resumed: list[int] = []  # ticks of the episode at which a world went on from a saved state
         self.endless = self._endless_wish and scenario.path.endless
         self.plant, self._sight = self.bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
-        self.interventions = Interventions(scenario, getattr(self.plant, "disturb", None))
+        self.interventions = Interventions(scenario, self.plant)
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
         self.reference = self.driver.reference if self.driver else scenario.reference()
         self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
@@ -86,23 +89,19 @@ class Episode:
     # ------------------------------------------------------------------ state
 
     @property
-    def scenario(self) -> Scenario:
-        return self._scenario
-
-    @property
     def robots(self) -> range:
         """Numbers of the robots."""
-        return range(1, self._scenario.size + 1)
+        return range(1, self.scenario.size + 1)
 
     @property
     def now(self) -> float:
         """Simulated time [s]."""
-        return self.k * self._scenario.control_interval
+        return self.k * self.scenario.control_interval
 
     @property
     def finished(self) -> bool:
         """Whether the episode has reached its duration."""
-        return not self.endless and self.k >= self._scenario.ticks
+        return not self.endless and self.k >= self.scenario.ticks
 
     # ------------------------------------------------------------------ what happens
 
@@ -158,7 +157,8 @@ class Episode:
         return {
             **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
-            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
+            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self.scenario)],
+            "resumed_at": [k * self.scenario.control_interval for k in self.resumed],
             "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
@@ -191,8 +191,8 @@ class Episode:
             stamp=self.now,
             episode=self.episode,
             revision=self.revision,
-            scenario=self._scenario.name,
-            controller=self._scenario.controller.name,
+            scenario=self.scenario.name,
+            controller=self.scenario.controller.name,
             mode=self.mode,
             status=status,
             waiting_for=list(waiting_for),
@@ -214,6 +214,7 @@ class Episode:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            resumed=self.resumed,
             driving=self.driver.shown if self.driver else Driving(),
             interventions=self.interventions.count,
             pushes=self.interventions.shown,

@@ -1,7 +1,6 @@
 """What is done to the robots: disturbances of the scenario and of users, and shapes that users ordered."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
 from itertools import islice
 from typing import Any
 
@@ -10,6 +9,7 @@ from formation.errors import EchelonError
 from formation.formation_spec import Change
 from formation.scenario.scenario import Scenario
 from network.values import Intervention, Pushed
+from world.bodies.interface import Bodies, Disturbed
 
 KEPT = 5000
 """Interventions that are kept of an episode, for a ghost that repeats it."""
@@ -22,14 +22,14 @@ MOST = 500
 class Interventions:
     """Of one episode: the disturbances in force, and what users did, by tick."""
 
-    def __init__(self, scenario: Scenario, disturb: Callable[[Sequence[Disturbance]], None] | None) -> None:
+    def __init__(self, scenario: Scenario, bodies: Bodies) -> None:
         """What the scenario has, and nothing of users.
 
         Args:
             scenario: of the episode.
-            disturb: gives the bodies the disturbances from the next tick on; None for bodies that know none.
+            bodies: of its robots; some can be disturbed, with `disturb(disturbances)`.
         """
-        self._disturb, self._implementation = disturb, scenario.bodies.implementation
+        self._bodies, self._implementation = bodies, scenario.bodies.implementation
         self._all = scenario.disturbances
         self._seen_late = scenario.nominal.age * scenario.control_interval
         """Localisation is so late [s]: what was blind then still counts."""
@@ -46,7 +46,7 @@ class Interventions:
         Raises:
             EchelonError: these bodies know none, or there are too many already.
         """
-        if self._disturb is None:
+        if not isinstance(self._bodies, Disturbed):
             raise EchelonError(
                 f"expected bodies that can be disturbed; {self._implementation} has no disturb(disturbances)"
             )
@@ -68,9 +68,9 @@ class Interventions:
         self._note(k, "shape", change.model_dump(mode="json", exclude_unset=True))
 
     def _set(self, disturbances: tuple[Disturbance, ...]) -> None:
-        if self._disturb is not None and disturbances != self._all:
+        if isinstance(self._bodies, Disturbed) and disturbances != self._all:
             self._all = disturbances
-            self._disturb(disturbances)
+            self._bodies.disturb(disturbances)
 
     def _note(self, k: int, kind: Any, value: dict[str, Any]) -> None:
         self.count += 1

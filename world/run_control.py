@@ -31,6 +31,8 @@ BETWEEN_TICKS = (
     control.Reshape,
 )
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
+READS = (control.GetOrders, control.GetTrace, control.GetSummary)
+"""Operations that change nothing."""
 
 
 class RunControl:
@@ -44,6 +46,8 @@ class RunControl:
         """Whether a user has asked the run to end."""
         self.compare = ""
         """Controller of the requested ghost; empty for none."""
+        self.changes = 0
+        """Operations that may have changed something, so far."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
@@ -79,6 +83,7 @@ class RunControl:
             EchelonError: it cannot be done; the text gives the reason.
         """
         world = self._world
+        self.changes += not isinstance(operation, READS)
         match operation:
             case control.Start():
                 if world.finished:
@@ -164,6 +169,7 @@ class RunControl:
             "episode": world.episode,
             "changes": world.faults.changes,
             "drive_changes": driver.count if driver else 0,
+            "resumed": world.resumed,
             "tables": world.faults.since(tables),
             "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
             "intervention_changes": world.interventions.count,

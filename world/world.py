@@ -4,6 +4,7 @@ It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides w
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from network.control import Operation
 from network.messages import WORLD, Command, Tick
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
 from world.episode import Episode
+from world.states import SKIPPED
 
 
 class World(Episode):
@@ -43,7 +45,7 @@ class World(Episode):
                 poses=measured.poses if measured else NO_POSES,
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
-                last=not self.endless and self.k == self._scenario.ticks - 1,
+                last=not self.endless and self.k == self.scenario.ticks - 1,
                 seen=self._sight.see(self.k, self.plant.poses),
                 drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
@@ -79,8 +81,6 @@ class World(Episode):
             self.revision += 1
             self._commands.set_faults(self.faults.table)
 
-    # ------------------------------------------------------------------ operations of users
-
     def reset(self) -> None:
         """Start a new episode; faults that users set without an end stay."""
         overrides = self.faults
@@ -103,6 +103,16 @@ class World(Episode):
         live = self.live
         self._begin()
         self.live = live & set(self.robots)
+
+    def go_on(self) -> None:
+        """This is a saved state: begin a segment of the episode, in which every agent begins anew."""
+        self.episode, self.revision = self.episode + 1, self.revision + 1
+        self.resumed.append(self.k)
+        self._event_count, self._planned = self._event_count + SKIPPED, []
+        if self._tick is not None:  # the sensors measure once per tick
+            self._tick = replace(self._tick, episode=self.episode, revision=self.revision, planned=[])
+        text = f"the world was lost: segment {len(self.resumed) + 1} goes on from here, every agent begins anew"
+        self.event("run", text, "warning")
 
     def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
         """Set keys of a fault from the next tick on. Raises FaultError."""
@@ -157,7 +167,7 @@ class World(Episode):
         """
         scenario = reshaped(self.given, [*self.interventions.changes, change])
         self.interventions.reshape(self.k, change)
-        self._scenario = scenario
+        self.scenario = scenario
         if self.driver:
             self.driver.reshape(self.k, scenario)
         else:

@@ -173,6 +173,8 @@ class GhostNode:
         }
         if told.episode != shadow.episode or asked.arguments != known:
             return
+        if not any(known.values()):
+            shadow.resume_at(told.resumed)
         shadow.learn(told.tables, told.drives, told.interventions)
         self._ask_at = 0.0
         if not told.tables or shadow.tables_known >= told.changes:

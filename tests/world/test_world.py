@@ -30,7 +30,7 @@ from tests.builders import command, status
 from world.bodies.wheeled import WheeledBodies
 from world.command_links import WATCHDOG
 from world.episode import SHOWN_EVENTS
-from world.trace import Trace
+from world.measures.trace import Trace
 from world.world import World
 
 TICK = 0.01

@@ -14,7 +14,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Mode
 
-Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "recorder", "each"]
+Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "recorder", "operator", "observer", "each"]
 ROOT = "echelon"
 
 
@@ -50,6 +50,11 @@ class Topic:
     def is_reliable(self, mode: Mode) -> bool:
         """Whether a publisher waits for a slow subscriber in a run of this mode."""
         return self.reliable in ("always", mode)
+
+    @property
+    def published(self) -> bool:
+        """Whether its messages are published, and not asked for."""
+        return bool(self.messages) and self.messages[0] is not Request
 
     @property
     def interval(self) -> float:
@@ -130,10 +135,13 @@ GHOST = Topic(
     rate=20.0,
     pace="20 Hz while comparing",
 )
-CONTROL = Topic("control", "control", (Request, Reply, Setup), "world", "queryable", pace="on demand")
+CONTROL = Topic("control", "control", (Request, Reply), "world", "orders", pace="on demand")
+QUESTION = Topic("question", "question", (Request, Reply, Setup), "world", "what changes nothing", pace="on demand")
+ASKERS: tuple[Role, ...] = ("dashboard", "operator")
+"""Who gives orders; anybody in the run may ask questions."""
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, CONTROL, ALIVE)
+TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, CONTROL, QUESTION, ALIVE)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -174,8 +182,13 @@ def ghost(run: str) -> str:
 
 
 def control(run: str) -> str:
-    """The queryable on which the world answers Requests."""
+    """The queryable on which the world takes orders."""
     return CONTROL.key(run)
+
+
+def question(run: str) -> str:
+    """The queryable on which the world answers what changes nothing."""
+    return QUESTION.key(run)
 
 
 def alive(run: str, role: str, number: int | str) -> str:

@@ -7,6 +7,7 @@ COPY network network
 COPY agents agents
 COPY world world
 COPY records records
+COPY ros ros
 COPY dashboard dashboard
 COPY runtime runtime
 COPY experiments experiments

@@ -65,7 +65,7 @@ _PLACES = {
 }
 """Modules are imported when a name is used: `import echelon` itself takes milliseconds."""
 _ROOMS = frozenset(
-    {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments", "api", "cli"}
+    {"formation", "network", "agents", "world", "records", "ros", "dashboard", "runtime", "experiments", "api", "cli"}
 )
 _HERE = os.path.dirname(os.path.abspath(__file__))
 _PYTHON = [os.path.dirname(os.__file__), os.path.join(os.path.dirname(os.__file__), "lib-dynload")]

@@ -55,7 +55,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print every check; exit code 1 if a run would fail."""
-    groups = [*_GROUPS, *([partial(_way, options)] if options.connect else [])]
+    groups: list[Callable[[], Iterator[Check]]] = [*_GROUPS, *([partial(_way, options)] if options.connect else [])]
     checks = [check for group in groups for check in _guarded(group)]
     ready = all(check.ok for check in checks if check.needed)
     if options.json:
@@ -194,7 +194,13 @@ def _way(options: argparse.Namespace) -> Iterator[Check]:
             passed, arrived = max((passed, arrived), stamps.get(), key=lambda stamp: stamp[0] - stamp[1])
         ahead = passed - arrived + trip / 2.0
         text = f"{abs(ahead) * 1e3:.1f} ms {'ahead' if ahead > 0.0 else 'behind'}, within {trip * 5e2:.1f} ms"
-        yield Check("its clock", text, abs(ahead) < ADVISED_OFFSET, False, "no run minds; times of logs differ")
+        yield Check(
+            "its clock",
+            text,
+            abs(ahead) < ADVISED_OFFSET,
+            False,
+            "no run depends on it, but times of logs differ",
+        )
 
 
 _GROUPS = (_python, _packages, _machine, _runs, _solver, _page)

@@ -5,9 +5,9 @@ from typing import TypedDict
 
 from cli.options import tell
 from formation.errors import EchelonError
+from network.access.keys import PORT
+from network.access.robot_numbers import parsed
 from network.arguments import INSECURE
-from network.keys import PORT
-from network.robot_numbers import parsed
 from runtime.hosts.listening import Listening
 from runtime.launcher import LiveRun
 

@@ -18,6 +18,7 @@ COMMANDS = {
     "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
     "status": "print the state of a live run",
+    "robots": "list the robots of ROS 2 at a router",
     "recording": "look into a record, repair it, export its tables",
     "verify": "simulate a record again and compare every bit",
     "scenarios": "list the scenarios, or the keys of a scenario",

@@ -15,8 +15,8 @@ from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
+from network.access.keys import LOCAL, OPEN, protocol
 from network.arguments import INSECURE
-from network.keys import LOCAL, OPEN, protocol
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.run_registry import find

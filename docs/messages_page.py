@@ -24,8 +24,8 @@ message are counted and dropped.
 def messages() -> str:
     """The topics, and each message with its fields."""
     types = _aliases(NETWORK / "fields.py")
-    stretch, values = _classes(NETWORK / "stretch.py"), _classes(NETWORK / "values.py")
-    classes = _classes(NETWORK / "messages.py") | _classes(NETWORK / "requests.py") | stretch | values
+    modules = ("messages", "requests", "stretch", "bodies", "values")
+    classes = {name: found for module in modules for name, found in _classes(NETWORK / f"{module}.py").items()}
     text = MESSAGES_INTRO + topics_table()
     for name, kind in MESSAGES.items():
         text += f"\n## {kind.__name__}\n\n`{name}`. {_first(classes[kind.__name__][0])}\n\n"

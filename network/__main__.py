@@ -7,8 +7,8 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from formation.errors import EchelonError
+from network.access.keys import Keys
 from network.arguments import add_keys
-from network.keys import Keys
 from network.lifetime import Lifetime
 from network.run_folder import remove
 from network.zenoh_bus import Router

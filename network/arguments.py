@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from network.keys import Keys, common_name
+from network.access.keys import Keys, common_name
 from network.topics import Role
 from network.zenoh_bus import CONNECT_SECONDS, ZenohBus
 

@@ -9,12 +9,15 @@ from network.bus import Bus, Presence
 
 SECONDS = 3.0
 
+ROLES = ("router", "world", "agent", "recorder", "ghost", "dashboard", "body", "display")
+"""Of processes that may be containers."""
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Exit code 0 if it is alive, 1 if not."""
     parser = argparse.ArgumentParser(prog="python -m network.health", description=__doc__)
     add_connection(parser)
-    parser.add_argument("--role", required=True, choices=["router", "world", "agent", "recorder", "ghost", "dashboard"])
+    parser.add_argument("--role", required=True, choices=ROLES)
     parser.add_argument("--id", type=int, default=0)
     options = parser.parse_args(arguments)
     try:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from formation import link_ids
 from formation.faults import Fault
 from network import values
+from network.bodies import BodyInput, BodyPose
 from network.fields import (
     STRICT,
     Count,
@@ -36,7 +37,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 
-VERSION = 4
+VERSION = 5
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD  # the sender number of the world
 
@@ -258,4 +259,4 @@ class Ghost:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Stretch | Ghost | Setup | Request | Reply
+Message = Tick | Plan | Command | Status | State | Stretch | Ghost | BodyInput | BodyPose | Setup | Request | Reply

@@ -9,12 +9,26 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
+from network.bodies import BodyInput, BodyPose
 from network.messages import Command, Ghost, Plan, State, Status, Tick
 from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Mode
 
-Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "recorder", "operator", "observer", "each"]
+Role = Literal[
+    "router",
+    "world",
+    "agent",
+    "ghost",
+    "dashboard",
+    "launcher",
+    "recorder",
+    "body",
+    "display",
+    "operator",
+    "observer",
+    "each",
+]
 ROOT = "echelon"
 
 
@@ -135,13 +149,29 @@ GHOST = Topic(
     rate=20.0,
     pace="20 Hz while comparing",
 )
+BODY_INPUT = Topic(
+    "body_input",
+    "robot/{id}/body_input",
+    (BodyInput,),
+    "world",
+    "to the body of a real robot: v, omega that it acts on",
+    pace="each tick, of real robots",
+)
+BODY_POSE = Topic(
+    "body_pose",
+    "robot/{id}/body_pose",
+    (BodyPose,),
+    "body",
+    "where a real robot is, and how fast",
+    pace="as the robot says it",
+)
 CONTROL = Topic("control", "control", (Request, Reply), "world", "orders", pace="on demand")
 QUESTION = Topic("question", "question", (Request, Reply, Setup), "world", "what changes nothing", pace="on demand")
 ASKERS: tuple[Role, ...] = ("dashboard", "operator")
 """Who gives orders; anybody in the run may ask questions."""
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, CONTROL, QUESTION, ALIVE)
+TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, QUESTION, ALIVE)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -179,6 +209,16 @@ def stretch(run: str) -> str:
 def ghost(run: str) -> str:
     """The same episode under another controller: Ghost."""
     return GHOST.key(run)
+
+
+def body_input(run: str, robot: int | str) -> str:
+    """What a real robot is to do: BodyInput."""
+    return BODY_INPUT.key(run, robot)
+
+
+def body_pose(run: str, robot: int | str) -> str:
+    """Where a real robot is: BodyPose."""
+    return BODY_POSE.key(run, robot)
 
 
 def control(run: str) -> str:

@@ -16,10 +16,10 @@ import zenoh
 
 from formation.errors import EchelonError
 from network import control, topics
-from network.access_list import access_list
+from network.access.keys import Keys, check, refusal
+from network.access.rules import access_list
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
-from network.keys import Keys, check, refusal
 from network.messages import Message
 from network.requests import Request
 
@@ -48,8 +48,8 @@ def _settings(mode: str, keys: Keys | None) -> dict[str, Any]:
     }
 
 
-def _connect(endpoint: str, keys: Keys | None, patience: float) -> zenoh.Session:
-    """A session with the router. Raises ZError: it is not there, or refuses the keys."""
+def client_config(endpoint: str, *, keys: Keys | None = None, patience: float = CONNECT_SECONDS) -> zenoh.Config:
+    """Of a session with a router, which is waited for so long [s]."""
     settings = _settings("client", keys)
     settings["connect"] = {
         "endpoints": [endpoint],
@@ -57,7 +57,7 @@ def _connect(endpoint: str, keys: Keys | None, patience: float) -> zenoh.Session
         "exit_on_failure": True,
         "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
     }
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
+    return zenoh.Config.from_json5(json.dumps(settings))
 
 
 class ZenohBus(Bus):
@@ -97,14 +97,14 @@ class ZenohBus(Bus):
 
     def _opened(self, endpoint: str, keys: Keys | None, patience: float) -> zenoh.Session:
         if keys is None or patience <= REFUSAL_SECONDS:
-            return _connect(endpoint, keys, patience)
+            return zenoh.open(client_config(endpoint, keys=keys, patience=patience))
         try:
-            return _connect(endpoint, keys, REFUSAL_SECONDS)
+            return zenoh.open(client_config(endpoint, keys=keys, patience=REFUSAL_SECONDS))
         except zenoh.ZError:
             reason = refusal(endpoint, keys)
             if reason is not None:
                 raise EchelonError(reason) from None
-            return _connect(endpoint, keys, patience - REFUSAL_SECONDS)
+            return zenoh.open(client_config(endpoint, keys=keys, patience=patience - REFUSAL_SECONDS))
 
     @property
     def connected(self) -> bool:
@@ -201,7 +201,7 @@ class ZenohBus(Bus):
 
     def close(self) -> None:
         """Leave the network; never takes longer than CLOSE_SECONDS."""
-        _close(self._session)
+        close_session(self._session)
 
 
 class KeptSamples:
@@ -248,7 +248,7 @@ class Router:
 
     def close(self) -> None:
         """Stop listening."""
-        _close(self._session)
+        close_session(self._session)
 
 
 def _bytes(payload: zenoh.ZBytes) -> bytes:
@@ -256,7 +256,7 @@ def _bytes(payload: zenoh.ZBytes) -> bytes:
     return bytes(payload.to_bytes()) if len(payload) <= MAX_BYTES else b""
 
 
-def _close(session: zenoh.Session) -> None:
+def close_session(session: zenoh.Session) -> None:
     """Close within the time limit; a process that left a session open could never exit, so then it is ended."""
     closer = threading.Thread(target=session.close, daemon=True)
     closer.start()

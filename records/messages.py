@@ -57,6 +57,13 @@ def _twist(velocity: FloatArray) -> tuple[float, ...]:
     return float(velocity[0]), 0.0, 0.0, 0.0, 0.0, float(velocity[1])
 
 
+def twist(velocity: FloatArray) -> bytes:
+    """geometry_msgs/Twist of v, omega [m/s, rad/s]."""
+    cdr = Cdr()
+    cdr.array("d", _twist(velocity))
+    return bytes(cdr)
+
+
 def twist_stamped(stamp: int, frame: str, velocity: FloatArray) -> bytes:
     """geometry_msgs/TwistStamped of v, omega [m/s, rad/s]."""
     cdr = Cdr()

@@ -13,14 +13,14 @@ class Program:
 
     role: str
     number: int
-    """Of an agent its robot's, else 0."""
+    """Of an agent or a body its robot's, else 0."""
     module: str
     arguments: tuple[str, ...]
 
     @property
     def name(self) -> str:
         """Name for the user: "world", "agent 2"."""
-        return f"{self.role} {self.number}" if self.role == "agent" else self.role
+        return f"{self.role} {self.number}" if self.number else self.role
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +65,10 @@ class RunPlan:
     """Token that browsers must send; None on loopback."""
     code: CodeArguments = NO_CODE
     """Code of users' own."""
+    robots: tuple[tuple[int, str], ...] = ()
+    """Real robots: number, and what their body's process is told of them."""
+    ros: str | None = None
+    """Endpoint of the ROS 2 router that sees the formation; None for none."""
 
 
 def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
@@ -76,11 +80,13 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     world += ["--controllers", plan.code.known] if plan.code.known else []
     world += _each("--bodies", plan.code.bodies)
     world += [flag for flag, on in _flags(plan) if on]
+    world += _each("--real", tuple(str(number) for number, _ in plan.robots))
     router = (*_each("--listen", plan.listen), "--run", plan.run, *_doors(plan))
     router += ("--folder", plan.folder) if plan.folder else ()
     found = [Program("router", 0, "network", router), Program("world", 0, "world", tuple(world))]
     if plan.record is not None:  # before the agents: what happens at once is to be in the record
         found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))
+    found += [Program("body", number, "ros.body", (*common, "--robot", spec)) for number, spec in plan.robots]
     robots = [number for number in range(1, scenario.size + 1) if plan.here is None or number in plan.here]
     found += [agent(plan, number) for number in robots]
     if plan.ghost:

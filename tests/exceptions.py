@@ -50,6 +50,7 @@ NEEDS = {
     "rosbags": Need(package("rosbags"), "pip install -e .[test]"),
     "network namespaces": Need(namespaces, "run as root, with iproute2"),
     "nftables": Need(lambda: shutil.which("nft") is not None, "apt-get install nftables"),
+    "zenoh-ros2-sdk": Need(package("zenoh_ros2_sdk"), "pip install -e .[test]"),
     "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
 }
 """By name."""

@@ -15,11 +15,12 @@ ALLOWED = {
     "agents": {"formation", "network"},
     "world": {"formation", "network"},
     "records": {"formation", "network"},
+    "ros": {"formation", "network", "records"},
     "dashboard": {"formation", "network"},
     "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
     "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
     "api": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
-    "cli": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
+    "cli": {"formation", "network", "agents", "world", "records", "ros", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
 ROOMS = list(ALLOWED)
@@ -50,12 +51,13 @@ INSIDE: dict[str, list[set[str]]] = {
     "network": [
         {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
-        {"stretch", "requests"},
+        {"bodies", "stretch", "requests"},
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},
-        {"bus", "reference"},
+        {"bus", "reference", "access"},
         {"zenoh_bus", "memory_bus"},
+        {"arguments"},
         {"health", "__main__"},
     ],
     "agents": [
@@ -75,7 +77,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"presence", "journal", "samples"},
         {"run_control"},
         {"requests"},
-        {"node"},
+        {"node", "real_robots"},
         {"process"},
         {"__main__"},
     ],
@@ -86,6 +88,13 @@ INSIDE: dict[str, list[set[str]]] = {
         {"export"},
         {"process"},
         {"__main__"},
+    ],
+    "ros": [
+        {"types"},
+        {"tokens", "decoding"},
+        {"session", "spec"},
+        {"survey"},
+        {"readiness", "body"},
     ],
     "dashboard": [
         {"telemetry"},
@@ -112,6 +121,9 @@ CLOCKS = {
     "network/lifetime.py",
     "network/throttled_log.py",
     "records/process.py",
+    "ros/body/process.py",
+    "ros/readiness.py",
+    "ros/session.py",
     "runtime",
     "world/process.py",
 }
@@ -199,8 +211,9 @@ def test_no_other_folder_holds_code_of_the_product() -> None:
     assert folders - set(ROOMS) <= {"tests", "benchmarks", "docs", "examples", ".ci"}
 
 
-def test_zenoh_is_imported_in_one_module_of_network() -> None:
-    assert importers("zenoh") == {"network/zenoh_bus.py"}
+def test_zenoh_is_imported_where_a_session_is_made_only() -> None:
+    """The run's, and those on other people's routers."""
+    assert importers("zenoh") == {"network/zenoh_bus.py", "ros/session.py"}
 
 
 def test_mcap_is_imported_in_records_only() -> None:
@@ -219,6 +232,13 @@ def test_numba_is_imported_where_kernels_are_compiled_only() -> None:
     files = importers("numba")
     assert "agents/kernels/jit.py" in files
     assert {file.split("/")[0] for file in files} <= {"agents", "runtime", "cli"}
+
+
+def test_keys_are_made_where_hosts_join_only() -> None:
+    """Importing cryptography costs a process a tenth of a second, and a run on one host needs no keys."""
+    assert importers("cryptography") == {"runtime/hosts/authority.py"}
+    hosts = {name_of(file) for file in FILES for module, _ in imports(file) if module == "runtime.hosts.authority"}
+    assert all(name.startswith("runtime/hosts/") for name in hosts)
 
 
 def test_matplotlib_is_imported_in_experiments_only() -> None:

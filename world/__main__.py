@@ -15,6 +15,7 @@ from network.lifetime import TERMINATED, Lifetime
 from network.values import Mode
 from world.bodies.own import load_bodies
 from world.process import run
+from world.real_robots import MixedWorld, RealRobots
 from world.world import World
 
 
@@ -32,6 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--controllers", default="[]", metavar="JSON", help="what is known of controllers of users' own"
     )
+    parser.add_argument("--real", type=int, action="append", default=[], metavar="N", help="a robot that is real")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s world: %(message)s", stream=sys.stderr)
     try:
@@ -45,8 +47,12 @@ def main(arguments: list[str] | None = None) -> int:
             # A world that was started again must not be mistaken for the one before.
             episode = secrets.randbits(48)
             mode: Mode = "realtime" if options.realtime else "lockstep"
-            world = World(scenario, episode=episode, endless=options.endless, mode=mode)
-            stopped = run(bus, world, lifetime, speed=options.speed, start=not options.paused)
+            robots = RealRobots(options.run, options.real) if options.real else None
+            if robots is None:
+                world = World(scenario, episode=episode, endless=options.endless, mode=mode)
+            else:
+                world = MixedWorld(scenario, robots, episode=episode, endless=options.endless)
+            stopped = run(bus, world, lifetime, speed=options.speed, start=not options.paused, robots=robots)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2

@@ -8,6 +8,7 @@ from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 from network.values import Mode
 from world.node import WorldNode
+from world.real_robots import RealRobots, between
 from world.world import World
 
 
@@ -24,7 +25,9 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.appear("world")
 
 
-def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool) -> bool:
+def run(
+    bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool, robots: RealRobots | None = None
+) -> bool:
     """Simulate a world until the lifetime is over, or a user stops it.
 
     Args:
@@ -33,13 +36,19 @@ def run(bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool
         lifetime: when to end.
         speed: simulated seconds per second; 0 means as fast as possible.
         start: begin as soon as every agent is there.
+        robots: those that are real, if there are any.
 
     Returns:
         Whether a user stopped it.
     """
     join(bus, world.mode)
     node, log = WorldNode(bus.run, world, speed=speed, start=start), ThrottledLog()
+    feed = node.feed if robots is None else between(robots, world, node.feed)
+    for key in robots.poses_from if robots else ():
+        bus.subscribe(key)
+    for key in robots.inputs_to if robots else ():
+        bus.announce(key)
     while not (lifetime.over or node.over):
-        perform(bus, node.feed(bus.arrivals(node.patience(monotonic())), monotonic()), log)
+        perform(bus, feed(bus.arrivals(node.patience(monotonic())), monotonic()), log)
     perform(bus, node.close(monotonic()), log)
     return node.over

@@ -4,7 +4,7 @@ It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides w
 """
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, State, Status, Tick
 from network.requests import Setup
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
+from world.bodies.interface import Bodies
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
@@ -28,12 +29,13 @@ from world.faults import FaultState
 from world.sight import Sight
 from world.trace import Trace
 
-SHOWN_EVENTS = 40
-KEPT_EVENTS = 5000
+SHOWN_EVENTS, KEPT_EVENTS = 40, 5000
 
 
 class World:
     """Bodies, links to them, faults, events and trace of one run; `reset` starts a new episode."""
+
+    bodies_for: Callable[[Scenario], Bodies] = staticmethod(bodies_for)
 
     def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """A world at the start of an episode.
@@ -59,7 +61,7 @@ class World:
         self.k = 0
         self._earlier_events = self._event_count
         self.endless = self._endless_wish and scenario.path.endless
-        self.plant, self._sight = bodies_for(scenario), Sight(scenario)
+        self.plant, self._sight = self.bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None

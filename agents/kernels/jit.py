@@ -7,6 +7,7 @@ views (`window.state.window_of`); callers group other arguments in NamedTuples a
 """
 
 import hashlib
+import importlib
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,24 @@ from agents.kernels.jit_cache import cache_folder, compiled, fetch_prebuilt
 fetch_prebuilt()
 if not compiled():
     sys.stderr.write("the solver is not compiled for this machine yet: compiling (about half a minute) ...\n")
+
+
+def _go_without_blas() -> None:
+    """Load the part of numba that looks for scipy's BLAS, and have it find none: 0.2 s and 11 MB of every agent.
+
+    No kernel uses it: it would decide over last bits (docs/design.md, section 12).
+    """
+    blas = "scipy.linalg"
+    if blas in sys.modules:
+        return
+    sys.modules[blas] = None  # type: ignore[assignment]  whoever imports it now is told that there is none
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        del sys.modules[blas]
+
+
+_go_without_blas()
 
 _OURS: set[object] = set()
 """Code of the functions that the decorators below were given."""

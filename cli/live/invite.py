@@ -3,7 +3,7 @@
 import argparse
 
 from formation.errors import EchelonError
-from network.keys import AUTHORITY
+from network.access.keys import AUTHORITY
 from runtime.hosts.codes import GUESTS, Codes
 from runtime.hosts.reception import FOLDER
 from runtime.run_registry import find, folder

@@ -4,9 +4,9 @@ import argparse
 
 from cli.options import add_controllers, controllers, tell
 from formation.errors import EchelonError
+from network.access.keys import address, host_and_port
+from network.access.robot_numbers import parsed, spelled
 from network.arguments import INSECURE
-from network.keys import address, host_and_port
-from network.robot_numbers import parsed, spelled
 from runtime.hosts.enrolment import enrol
 from runtime.hosts.joined import JoinedRun
 from runtime.hosts.open_run import found_at

@@ -11,6 +11,10 @@ from cli.hosting import add_hosting, hosting, tell_how_to_join
 from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
+from formation.scenario.scenario import Scenario
+from ros.readiness import check
+from ros.spec import FORM, RobotSpec, parse_all
+from ros.types import distribution
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
 
@@ -37,6 +41,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
     parser.add_argument("--paused", action="store_true", help="wait for Start")
     add_hosting(parser)
+    parser.add_argument(
+        "--robot",
+        action="append",
+        default=[],
+        metavar=FORM,
+        help="robot N is a real one of ROS 2, a client of whose router drives it; implies --realtime",
+    )
     add_record(parser)
 
 
@@ -53,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
     if options.token is not None:
         setproctitle("echelon up")  # everybody on this machine can read command lines
     warn(scenario)
+    robots = _real_robots(options, scenario)
     name = options.run or free_name(scenario.name)
     record = record_file(options, scenario.name)
     with LiveRun(
@@ -63,7 +75,8 @@ def run(options: argparse.Namespace) -> int:
         tell=tell,
         dashboard=dashboard,
         token=token,
-        realtime=options.realtime,
+        realtime=options.realtime or bool(robots),
+        robots=tuple((number, str(spec)) for number, spec in robots.items()),
         speed=options.speed,
         paused=options.paused,
         endless=True,
@@ -90,6 +103,20 @@ def run(options: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             tell("stopping")
     return 0
+
+
+def _real_robots(options: argparse.Namespace, scenario: Scenario) -> dict[int, RobotSpec]:
+    """The real robots by number, each looked at. Raises EchelonError: one cannot take part."""
+    robots = parse_all(options.robot, scenario.size)
+    if robots and options.speed != 1.0:
+        raise EchelonError(f"--speed: expected 1 with --robot, for a real robot has one; got {options.speed:g}")
+    if robots:
+        for number, (command, pose) in check(scenario, robots).items():
+            tell(
+                f"robot {number} is real: {command.topic} ({command.type}, {distribution(command.hash)}), "
+                f"pose from {pose.topic} ({pose.type})"
+            )
+    return robots
 
 
 def _port(host: str, port: int) -> int:

@@ -28,6 +28,7 @@ OURS = frozenset(
         "agents",
         "world",
         "records",
+        "ros",
         "dashboard",
         "runtime",
         "experiments",

@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from formation.errors import EchelonError
-from network.keys import AUTHORITY
+from network.access.keys import AUTHORITY
 
 _FROM, _UNTIL = datetime.datetime(2000, 1, 1), datetime.datetime(2100, 1, 1)
 _CURVE = ec.SECP256R1()

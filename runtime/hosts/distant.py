@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from formation.errors import EchelonError
-from network.keys import Keys, host_and_port
+from network.access.keys import Keys, host_and_port
 from network.zenoh_bus import ZenohBus
 from runtime.hosts.authority import write_private
 from runtime.hosts.enrolment import enrol

@@ -17,11 +17,11 @@ from typing import Any
 
 from formation.errors import EchelonError
 from formation.formation_spec import MAX_ROBOTS
-from network.access_list import members
+from network.access.keys import Keys, address, common_name
+from network.access.robot_numbers import spelled
+from network.access.rules import members
 from network.fields import harmless
-from network.keys import Keys, address, common_name
 from network.messages import VERSION
-from network.robot_numbers import spelled
 from runtime.hosts.authority import Authority, new_request
 from runtime.hosts.codes import Codes, Guest, mark, split
 

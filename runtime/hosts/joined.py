@@ -8,9 +8,9 @@ from typing import Self
 
 from formation.errors import WireError
 from network import topics
+from network.access.keys import AUTHORITY, Keys, common_name
 from network.bus import Connection, Presence, Sample
 from network.codec import decode
-from network.keys import AUTHORITY, Keys, common_name
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime.agent_keeper import AgentKeeper

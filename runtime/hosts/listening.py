@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from formation.errors import EchelonError
-from network.keys import address, host_and_port
+from network.access.keys import address, host_and_port
 
 Transport = Literal["tcp", "udp"]
 DATAGRAMS = "quic/{}?rel=1;mixed_rel=1"

@@ -5,10 +5,10 @@ import contextlib
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
 from network import topics
+from network.access.robot_numbers import spelled
 from network.bus import Sample
 from network.codec import decode
 from network.messages import State
-from network.robot_numbers import spelled
 from network.zenoh_bus import ZenohBus
 
 SECONDS = 5.0

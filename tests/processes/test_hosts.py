@@ -5,6 +5,7 @@ import re
 import signal
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -21,13 +22,17 @@ WORDS = ["ring-16", *(word for setting in RING for word in ("--set", setting))]
 CODE = re.compile(r"echelon join (\S+) (\S+)")
 
 
+def _over(host: Host) -> bool:
+    return not processes(host.runs)
+
+
 @pytest.fixture
 def hosts() -> Iterator[tuple[Host, Host]]:
     needs("network namespaces")
     with tempfile.TemporaryDirectory(prefix="ech") as folder, two_hosts(Path(folder)) as found:
         yield found
         for host in found:
-            wait_for(lambda host=host: not processes(host.runs))
+            wait_for(partial(_over, host))
             assert not [path for path in host.runs.iterdir() if path.name[0] != "."]
 
 

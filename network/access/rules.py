@@ -10,12 +10,12 @@ from typing import Any
 
 from formation.formation_spec import MAX_ROBOTS
 from network import topics
-from network.keys import ENCRYPTED, LOCAL, common_name
-from network.topics import ALIVE, ASKERS, TOPICS, Role, Topic
+from network.access.keys import ENCRYPTED, LOCAL, common_name
+from network.topics import ALIVE, ASKERS, TOPICS, Role
 
-NUMBERED: tuple[Role, ...] = ("agent",)
+NUMBERED: tuple[Role, ...] = ("agent", "body")
 """Roles of which there is one process per robot."""
-SINGLE: tuple[Role, ...] = ("world", "ghost", "dashboard", "recorder", "launcher", "operator", "observer")
+SINGLE: tuple[Role, ...] = ("world", "ghost", "dashboard", "recorder", "launcher", "display", "operator", "observer")
 _DELIVERED = [
     "put",
     "query",
@@ -70,8 +70,8 @@ def members() -> list[tuple[Role, int]]:
 
 def _own(run: str, role: Role, number: int) -> dict[str, tuple[list[str], list[str]]]:
     """What this role alone may do: kind of rule -> messages and keys."""
-    published = [_key(topic, run, number) for topic in TOPICS if topic.sender == role and topic.published]
-    answered = [_key(topic, run, number) for topic in TOPICS if topic.sender == role and not topic.published]
+    published = [topic.key(run, number or "*") for topic in TOPICS if topic.sender == role and topic.published]
+    answered = [topic.key(run) for topic in TOPICS if topic.sender == role and not topic.published]
     found = {
         "publishes": (["put"], published),
         "answers": (["declare_queryable", "reply"], answered),
@@ -79,10 +79,6 @@ def _own(run: str, role: Role, number: int) -> dict[str, tuple[list[str], list[s
         "appears": (["liveliness_token"], [ALIVE.key(run, number, role)]),
     }
     return {kind: (messages, keys) for kind, (messages, keys) in found.items() if keys}
-
-
-def _key(topic: Topic, run: str, number: int) -> str:
-    return topic.key(run, number)
 
 
 def _rule(name: str, messages: list[str], keys: list[str], *flows: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 A run on one machine uses a unix socket in a private folder, which needs no keys. Everything else speaks TLS or QUIC,
 and both ends show certificates of the run's own authority; the common name of a certificate is the role that it is for.
-What a role may do is network/access_list.py.
+What a role may do is network/access/rules.py.
 """
 
 import contextlib

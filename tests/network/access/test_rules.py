@@ -10,20 +10,35 @@ import trustme
 
 from formation.errors import EchelonError
 from network import topics
+from network.access.keys import AUTHORITY, Keys
 from network.bus import Presence, Query, Sample
-from network.keys import AUTHORITY, Keys
 from network.topics import TOPICS
 from network.zenoh_bus import Router, ZenohBus
 from runtime.hosts.authority import Authority
 
 RUN = "locked"
-ROLES = ("world", "agent-1", "agent-2", "ghost", "dashboard", "recorder", "launcher", "operator", "observer")
+ROLES = (
+    "world",
+    "agent-1",
+    "agent-2",
+    "body-1",
+    "body-2",
+    "ghost",
+    "display",
+    "dashboard",
+    "recorder",
+    "launcher",
+    "operator",
+    "observer",
+)
 OWNERS = {
     "tick": "world",
     "state": "world",
     "stretch": "world",
     "control": "world",
     "question": "world",
+    "body_input": "world",
+    "body_pose": "body-1",
     "ghost": "ghost",
     "plan": "agent-1",
     "command": "agent-1",

@@ -1,0 +1,1 @@
+"""A real robot of a run: commands to it, poses from it."""

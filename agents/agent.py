@@ -76,8 +76,7 @@ class Agent:
         self.observation: Observation | None = None
         """What the controller was asked with last."""
         self._sending = Sending(own.send_when, scenario.spacing)
-        self._acting = 0.0
-        self._fresh = True
+        self._acting, self._fresh = 0.0, True
         self._solves: list[float] = []
 
     def _filter(self, scenario: Scenario) -> WindowEstimator:
@@ -258,7 +257,7 @@ class Agent:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
         solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
         self._solves.clear()
-        belief = self._receivers[0].belief
+        belief, asked = self._receivers[0].belief, self.observation
         return Status(
             sender=self.robot,
             seq=k,
@@ -278,6 +277,7 @@ class Agent:
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
             lost=self._sending.last is not None and self._sending.last.lost,
             keeps_off=self._avoidance.who,
+            believes=asked.believes(self._task.tick) if asked else None,
         )
 
     @property

@@ -1,19 +1,28 @@
-"""Notices in the corner of the page: agents and links lost and found, and refused requests."""
+"""Notices: agents and links lost and found, and refused requests. Each stands in the status line for a while."""
 
 from collections.abc import Callable
-
-import viser
+from typing import NamedTuple
 
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from formation.link_ids import LinkId
 
-GOOD, WORSE, BAD, NEUTRAL = (52, 199, 150), (247, 184, 62), (240, 72, 92), (86, 180, 233)
-COLOURS = {"info": GOOD, "warning": WORSE, "error": BAD}
+COLOURS = {"info": "ok", "warning": "warn", "error": "bad"}
 AT_ONCE = 4
 """More than so many links lost at once are one notice."""
-WELCOME_SECONDS = 20.0
 
+
+class Notice(NamedTuple):
+    """A line about a change."""
+
+    title: str
+    text: str
+    colour: str
+    """Name of the colour of the title: ok, warn or bad."""
+
+
+Show = Callable[[int | None, Notice], None]
+"""(page or None for all, notice): shows it."""
 Notify = Callable[[int | None, str, str], None]
 """(page or None for all, title, text): shows a notice, such as why a request was refused."""
 
@@ -21,19 +30,16 @@ Notify = Callable[[int | None, str, str], None]
 class Notices:
     """Turns events of the world, and changes of the links' health, into notices."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        self._server = server
+    def __init__(self, show: Show) -> None:
+        self._show = show
         self._episode = -1
         self._newest: int | None = None
         self._lost: set[LinkId] = set()
         self._world_alive = True
-        server.on_client_connect(_welcome)
 
-    def notify(self, page: int | None, title: str, text: str, colour: tuple[int, int, int] = BAD) -> None:
+    def notify(self, page: int | None, title: str, text: str, colour: str = "bad") -> None:
         """Show a notice on one page, or on all."""
-        for number, client in self._server.get_clients().items():
-            if page is None or page == number:
-                client.add_notification(title, text, color=colour, auto_close_seconds=8.0)
+        self._show(page, Notice(title, text, colour))
 
     def update(self, snapshot: Snapshot, links: list[LinkView]) -> None:
         """Show what has changed since the last call."""
@@ -55,34 +61,18 @@ class Notices:
             return
         self._world_alive = snapshot.world_alive
         if snapshot.world_alive:
-            self.notify(None, "The world is back", "The page shows the present again.", GOOD)
+            self.notify(None, "The world is back", "The page shows the present again.", "ok")
         else:
             self.notify(None, "The world publishes nothing", "The page shows its last state and waits.")
 
     def _links(self, episode: int, links: list[LinkView]) -> None:
-        # A link that is lost because its receiver has no agent is no notice: the agent's own event is one.
+        # A link that is lost or cut stands in the status line as long as it is; its return is a notice.
+        # One that is lost because its receiver has no agent is none: the agent's own event is one.
         lost = {link.id: link for link in links if link.lost and (not link.deaf or link.id in self._lost)}
         if episode == self._episode:
             worse = [lost[link] for link in sorted(lost.keys() - self._lost)]
             if len(worse) > AT_ONCE:
                 self.notify(None, f"{len(worse)} links lost", "Robots plan with the last plans they received.")
-            else:
-                for link in worse:
-                    self.notify(
-                        None,
-                        f"Link {link.sender} → {link.receiver} {link.label.lower()}",
-                        f"Robot {link.receiver} uses the last plan it received from robot {link.sender}.",
-                    )
             if self._lost and not lost:
-                self.notify(None, "All links are back", "Every robot receives its neighbour's plans again.", GOOD)
+                self.notify(None, "All links are back", "Every robot receives its neighbour's plans again.", "ok")
         self._episode, self._lost = episode, set(lost)
-
-
-def _welcome(client: viser.ClientHandle) -> None:
-    client.add_notification(
-        "This is Echelon",
-        "The robots keep a formation; each plans for itself with the last plan received from its neighbour. Try: "
-        "click a cell of the link matrix or an arrow head, then tick Cut. P pauses, Ctrl-K lists all commands.",
-        color=NEUTRAL,
-        auto_close_seconds=WELCOME_SECONDS,
-    )

@@ -5,7 +5,8 @@ from typing import Any
 
 import viser
 
-from dashboard.notices import Notices
+from dashboard.notices import Notice, Notices
+from dashboard.overlay.overlay import Overlay
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.driving import DrivePanel
@@ -21,10 +22,13 @@ from dashboard.requests import RequestQueue
 from dashboard.scenario_list import ScenarioList
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
+from dashboard.telemetry.beliefs import BeliefView, beliefs
 from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView, ring_links
-from dashboard.telemetry.subscriber import Snapshot, TelemetrySubscriber
+from dashboard.telemetry.origin import Localiser
+from dashboard.telemetry.snapshot import Snapshot
+from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme.palette import DARK, Palette
 from dashboard.theme.templates import style_element
 from dashboard.theme.titlebar import apply_theme
@@ -42,9 +46,12 @@ UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
 """While no page is open: between two frames, and between two states that are kept for plots and export [s]."""
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
-"""Between two updates of the panels and of the plots [s]."""
-LEFT_WIDTH, RIGHT_WIDTH = 330, 400
-"""Of the docked panels [px]."""
+BELIEF_INTERVAL = 0.09
+"""Between two updates of the panels, of the plots, and of what robots believe [s]."""
+WIDE = 1400
+"""Pages that are narrower than this get narrower panels [px]."""
+PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
+"""Of the left and the right panel, for wide pages and for others [px]; they are the same for all pages."""
 
 
 class Page:
@@ -61,19 +68,25 @@ class Page:
         self._server = server
         self._scenarios = scenarios or ScenarioList()
         self._telemetry = TelemetrySubscriber(bus)
-        self._notices = Notices(server)
+        self._widths: dict[int, int] = {}
+        """Of the pages' windows [px]."""
+        self._wide = True
+        self._overlay: Overlay | None = None
+        self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._telemetry, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
+        self._localiser = Localiser()
         self._history = History()
         self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
         self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked)
         self._errors = ThrottledLog()
-        self._panels_drawn_at = self._plots_drawn_at = 0.0
+        self._panels_drawn_at = self._plots_drawn_at = self._believed_at = 0.0
         self._panels_key: tuple[object, ...] = ()
         """Of the panels as last drawn: they are drawn at once when it changes."""
         self._kept: tuple[State, bool] | None = None
         self._links: list[LinkView] = []
+        self._beliefs: list[BeliefView] = []
         self._palette = DARK
         self._turn = 0
         apply_theme(server.gui, self._palette)
@@ -88,8 +101,9 @@ class Page:
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._export_buffer, lambda: self._palette, self._notices.notify)
         self._clickable = Clickable(gui, self._clicked)
+        self._overlay = Overlay(self._server, self._told)
         gui.main_panel.dock_left()
-        gui.main_panel.set_width(LEFT_WIDTH)
+        self._server.on_client_disconnect(self._closed)
 
     def _add_right_panel(self, gui: viser.GuiApi) -> None:
         panel = gui.add_panel()
@@ -102,7 +116,18 @@ class Page:
         with panel.add_tab("Log", viser.Icon.LIST):
             self._event_log = gui.add_html("")
         panel.dock_right()
-        panel.set_width(RIGHT_WIDTH)
+        self._right = panel
+        self._set_widths()
+
+    def _set_widths(self) -> None:
+        """Of both panels, by the narrowest page."""
+        left, right = PANEL_WIDTHS[self._wide]
+        self._server.gui.main_panel.set_width(left)
+        self._right.set_width(right)
+
+    def _show_notice(self, page: int | None, notice: Notice) -> None:
+        if self._overlay is not None:
+            self._overlay.notify(page, notice)
 
     # ------------------------------------------------------------------ from the user
 
@@ -128,6 +153,20 @@ class Page:
             self._agent_lifecycle.clicked(verb, number, event.client)
         else:
             self._faults.choose(verb, number)
+
+    def _closed(self, client: viser.ClientHandle) -> None:
+        """A page is gone."""
+        self._widths.pop(client.client_id, None)
+
+    def _told(self, page: int, words: list[str]) -> None:
+        """A page's script tells something; it may be anything."""
+        match words:
+            case ["width", text] if text.isascii() and text.isdigit():
+                self._widths[page] = int(text)
+                wide = min(self._widths.values()) >= WIDE
+                if wide != self._wide:
+                    self._wide = wide
+                    self._set_widths()
 
     # ------------------------------------------------------------------ the loop
 
@@ -163,7 +202,7 @@ class Page:
 
     def _keep(self) -> tuple[Snapshot, list[LinkView]]:
         """What is known now, after adding it to what plots and export are made from."""
-        snapshot = self._telemetry.snapshot()
+        snapshot = self._localiser.local(self._telemetry.snapshot())
         state, known = snapshot.state, snapshot.scenario is not None
         if state is not None and known:
             self._history.ghost.update(state, snapshot.ghosts)
@@ -172,16 +211,18 @@ class Page:
             self._links = ring_links(state, snapshot.statuses)
             if known:
                 self._history.add(state, self._links, snapshot.statuses)
-                self._export_buffer.add(state, self._links, snapshot.statuses)
+                self._export_buffer.add(state, self._links, snapshot.statuses, snapshot.origin)
         return snapshot, self._links
 
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
         snapshot, links = self._keep()
         state, whole = snapshot.state, not self._watched
+        if monotonic() - self._believed_at >= BELIEF_INTERVAL:
+            self._believed_at, self._beliefs = monotonic(), _beliefs(snapshot)
         with self._server.atomic():
             self._scene.set_palette(self._palette)
-            self._scene.draw(snapshot, links, self._history, whole=whole)
+            self._scene.draw(snapshot, links, self._beliefs, self._history, whole=whole)
             now, key = monotonic(), self._key(snapshot)
             panels = now - self._panels_drawn_at >= PANEL_INTERVAL or key != self._panels_key
             if panels:
@@ -193,7 +234,7 @@ class Page:
                 for chart in self._charts:
                     chart.draw(series, ghost=bool(state and state.compare))
         if state is not None and snapshot.scenario is not None and len(snapshot.poses) == snapshot.scenario.size:
-            self._cameras.update(snapshot.scenario, snapshot.poses)
+            self._cameras.update(snapshot.scenario, snapshot.poses, state.live)
         return len(snapshot.poses)
 
     def _key(self, snapshot: Snapshot) -> tuple[object, ...]:
@@ -224,7 +265,16 @@ class Page:
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
         self._export.update(snapshot)
+        if self._overlay is not None:
+            self._overlay.draw(snapshot, links, self._beliefs, self._scene.sizes)
         self._notices.update(snapshot, links)
+
+
+def _beliefs(snapshot: Snapshot) -> list[BeliefView]:
+    state, scenario = snapshot.state, snapshot.scenario
+    if state is None or scenario is None:
+        return []
+    return beliefs(state, snapshot.statuses, snapshot.poses, snapshot.stamp, scenario.controller.prediction_interval)
 
 
 def _driven(snapshot: Snapshot) -> bool:

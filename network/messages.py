@@ -184,6 +184,8 @@ class Status:
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
     lost: Flag = False  # as in Plan
+    believes: values.Believed | None = None
+    """What its controller was given of the neighbour upstream for its newest plan; None before the first."""
     __pydantic_config__ = STRICT
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
-from network.fields import STRICT, Count, Far, Fast, NonNegative, Text
+from network.fields import STRICT, Count, Far, Fast, Inputs, NonNegative, Pose, Text
 
 Severity = Literal["info", "warning", "error"]
 Mode = Literal["lockstep", "realtime"]
@@ -62,6 +62,21 @@ class Driving:
     """Turn rate that is ordered now [rad/s]."""
     goal: tuple[Far, Far] | None = None
     """Where the centre is driving to [m]; None if it follows an order."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Believed:
+    """What a controller was given of the neighbour upstream: its newest plan, carried forward to where the own begins.
+
+    Without a plan, or past its end, the neighbour is taken to be in its slot.
+    """
+
+    begins: NonNegative
+    """Time of the pose [s]."""
+    pose: Pose
+    inputs: Inputs
+    """(N, 2) mean body velocities from there on."""
     __pydantic_config__ = STRICT
 
 

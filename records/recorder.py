@@ -17,7 +17,7 @@ from formation.unicycle import roll_out
 from network.messages import VERSION, Plan, Status
 from network.stretch import Stretch
 from network.values import LinkCounts
-from records import messages
+from records import messages, pictures
 from records.file import RecordFile
 
 Detail = Literal["default", "full"]
@@ -30,11 +30,6 @@ SLOWER = 2
 """Errors and markers are written with every so many stretches: ten times a second, the poses twenty times."""
 BETWEEN_EPISODES = 10**9
 """Time on the record's clock between two episodes [ns]."""
-GREY, RED = (0.6, 0.6, 0.6, 1.0), (0.84, 0.15, 0.16, 1.0)
-LARGE_ERROR = 0.05
-"""A pair's distance error at which its edge is red [m]."""
-WIDTH = 0.004
-"""Of lines in pictures [m]."""
 
 
 @dataclass(slots=True)
@@ -165,8 +160,8 @@ class Recorder:
         distance, angle = pattern_errors(poses, slots)
         tracking = float(tracking_error(poses, stretch.centre[:2]))
         self._write("/metrics", "echelon_msgs/Metrics", at, messages.metrics(at, tracking, distance, angle))
-        pictures = [_edges(poses, distance), _ways_to(slots, poses)]
-        self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, pictures))
+        drawn = [pictures.edges(poses, distance), pictures.ways_to(slots, poses)]
+        self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, drawn))
 
     def wants_status(self, robot: int) -> bool:
         """Whether a status of a robot that comes in now would be written; decoding one costs more than writing it."""
@@ -198,24 +193,6 @@ class Recorder:
         if self.full and self._episode is not None:
             at = self._episode.begins + round(self._now * 1e9)
             self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
-
-
-def _edges(poses: FloatArray, errors: FloatArray) -> messages.Lines:
-    """From every robot to the one upstream of it, the redder the larger the error of their distance."""
-    ends = np.stack([poses[:, :2], np.roll(poses[:, :2], 1, axis=0)], axis=1).reshape(-1, 2)
-    shares = np.minimum(np.abs(errors) / LARGE_ERROR, 1.0)
-    return messages.Lines("edges", ends, [_mixed(float(share)) for share in shares], WIDTH)
-
-
-def _ways_to(slots: FloatArray, poses: FloatArray) -> messages.Lines:
-    """From every robot to its slot."""
-    ends = np.stack([poses[:, :2], slots[:, :2]], axis=1).reshape(-1, 2)
-    return messages.Lines("slots", ends, [GREY] * len(poses), 0.5 * WIDTH)
-
-
-def _mixed(share: float) -> messages.Colour:
-    red, green, blue, alpha = (a + share * (b - a) for a, b in zip(GREY, RED, strict=True))
-    return red, green, blue, alpha
 
 
 def _counts(counts: LinkCounts) -> itertools.chain[int]:

@@ -40,6 +40,15 @@ def check(scenario: Scenario, specs: Mapping[int, RobotSpec]) -> dict[int, Chose
     return chosen
 
 
+def reachable(endpoint: str, domain: int) -> tuple[str, int]:
+    """The same, once somebody has answered there. Raises EchelonError."""
+    try:
+        with RosSession(endpoint, "echelon_check", domain=domain):
+            return endpoint, domain
+    except EchelonError as error:
+        raise EchelonError(f"--ros: {error}") from None
+
+
 def check_room(what: str, scenario: Scenario, specs: Mapping[int, RobotSpec], poses: np.ndarray) -> None:
     """Refuse real robots that would touch others. Raises EchelonError."""
     radii = scenario.bodies.radii(scenario.size)

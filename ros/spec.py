@@ -61,17 +61,29 @@ def parse(text: str) -> RobotSpec:
         if key not in KEYS or not value:
             raise EchelonError(f"--robot {number}: expected {', '.join(f'{key}=..' for key in KEYS)}; got {option!r}")
         found[key] = value
-    domain = found.get("domain", "0")
-    if not (domain.isascii() and domain.isdecimal() and int(domain) <= MAX_DOMAIN):
-        raise EchelonError(f"--robot {number}: expected domain=0 to {MAX_DOMAIN}; got {domain!r}")
     return RobotSpec(
         int(number),
         endpoint_of(endpoint),
         _topic(number, "namespace", found),
         _topic(number, "pose", found),
         _origin(number, found.get("origin", "0:0:0")),
-        int(domain),
+        _domain(f"--robot {number}", found.get("domain", "0")),
     )
+
+
+def parse_router(text: str) -> tuple[str, int]:
+    """Endpoint and domain of what `--ros` says. Raises EchelonError."""
+    endpoint, comma, option = text.partition(",")
+    key, _, value = option.partition("=")
+    if not endpoint or (comma and key != "domain"):
+        raise EchelonError(f"--ros: expected ENDPOINT[,domain=0]; got {text!r}")
+    return endpoint_of(endpoint), _domain("--ros", value if comma else "0")
+
+
+def _domain(option: str, text: str) -> int:
+    if not (text.isascii() and text.isdecimal() and int(text) <= MAX_DOMAIN):
+        raise EchelonError(f"{option}: expected domain=0 to {MAX_DOMAIN}; got {text!r}")
+    return int(text)
 
 
 def _topic(number: str, key: str, found: dict[str, str]) -> str:

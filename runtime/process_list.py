@@ -67,8 +67,8 @@ class RunPlan:
     """Code of users' own."""
     robots: tuple[tuple[int, str], ...] = ()
     """Real robots: number, and what their body's process is told of them."""
-    ros: str | None = None
-    """Endpoint of the ROS 2 router that sees the formation; None for none."""
+    ros: tuple[str, int] | None = None
+    """Endpoint and domain of the ROS 2 that sees the formation; None for none."""
 
 
 def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
@@ -92,6 +92,10 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     if plan.ghost:
         own = [*_each("--controller", plan.code.controllers), *_each("--bodies", plan.code.bodies)]
         found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
+    if plan.ros is not None:
+        endpoint, domain = plan.ros
+        real = _each("--real", tuple(str(number) for number, _ in plan.robots))
+        found.append(Program("display", 0, "ros.display", (*common, "--ros", endpoint, "--domain", str(domain), *real)))
     if plan.dashboard is not None:
         host, port = plan.dashboard
         where = ("--host", host, "--port", str(port), *((f"--token={plan.token}",) if plan.token else ()))

@@ -84,6 +84,7 @@ INSIDE: dict[str, list[set[str]]] = {
     "records": [
         {"cdr", "definitions"},
         {"messages", "file", "scanning"},
+        {"pictures"},
         {"recorder", "repair", "record"},
         {"export"},
         {"process"},
@@ -94,7 +95,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"tokens", "decoding"},
         {"session", "spec"},
         {"survey"},
-        {"readiness", "body"},
+        {"readiness", "body", "display"},
     ],
     "dashboard": [
         {"telemetry"},
@@ -103,7 +104,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"export", "notices"},
         {"requests", "scenario_list"},
         {"panels"},
-        {"serving"},
+        {"overlay", "serving"},
         {"page"},
         {"__main__"},
     ],
@@ -122,6 +123,7 @@ CLOCKS = {
     "network/throttled_log.py",
     "records/process.py",
     "ros/body/process.py",
+    "ros/display/process.py",
     "ros/readiness.py",
     "ros/session.py",
     "runtime",

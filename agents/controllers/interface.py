@@ -12,7 +12,7 @@ from formation.arrays import FloatArray, frozen
 from formation.scenario.controllers import ControllerOptions
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from network.values import NO_NEWS, STILL
+from network.values import NO_NEWS, STILL, Believed
 
 NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
@@ -80,6 +80,10 @@ class Observation(NamedTuple):
     """(2,) largest |v| and |omega| [m/s, rad/s]; given to controllers of users' own."""
     reference: Horizon | None = None
     """Given to controllers of users' own; the others ask their Task."""
+
+    def believes(self, tick: float) -> Believed:
+        """What this says of the neighbour upstream, for displays; a tick is so long [s]."""
+        return Believed(self.k * tick, self.upstream.pose.copy(), self.upstream.inputs.copy())
 
 
 class Solution(NamedTuple):

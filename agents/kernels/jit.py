@@ -30,7 +30,7 @@ def _go_without_blas() -> None:
     blas = "scipy.linalg"
     if blas in sys.modules:
         return
-    sys.modules[blas] = None  # type: ignore[assignment]  whoever imports it now is told that there is none
+    sys.modules[blas] = None  # type: ignore[assignment]  # whoever imports it now is told that there is none
     try:
         importlib.import_module("numba.np.arraymath")
     finally:

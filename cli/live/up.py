@@ -12,8 +12,8 @@ from cli.options import add_record, add_scenario, load, record_file, source, tel
 from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
-from ros.readiness import check
-from ros.spec import FORM, RobotSpec, parse_all
+from ros.readiness import check, reachable
+from ros.spec import FORM, RobotSpec, parse_all, parse_router
 from ros.types import distribution
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
@@ -48,6 +48,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar=FORM,
         help="robot N is a real one of ROS 2, a client of whose router drives it; implies --realtime",
     )
+    parser.add_argument(
+        "--ros",
+        metavar="ENDPOINT[,domain=0]",
+        help="show the robots to the ROS 2 at this router",
+    )
     add_record(parser)
 
 
@@ -65,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
         setproctitle("echelon up")  # everybody on this machine can read command lines
     warn(scenario)
     robots = _real_robots(options, scenario)
+    ros = None if options.ros is None else reachable(*parse_router(options.ros))
     name = options.run or free_name(scenario.name)
     record = record_file(options, scenario.name)
     with LiveRun(
@@ -76,6 +82,7 @@ def run(options: argparse.Namespace) -> int:
         dashboard=dashboard,
         token=token,
         realtime=options.realtime or bool(robots),
+        ros=ros,
         robots=tuple((number, str(spec)) for number, spec in robots.items()),
         speed=options.speed,
         paused=options.paused,

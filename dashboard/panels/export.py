@@ -11,15 +11,21 @@ from dashboard.export.file_name import file_name
 from dashboard.export.picture import as_png
 from dashboard.export.replay import as_replay
 from dashboard.notices import Notify
+from dashboard.scene.layers import Sizes
+from dashboard.scene.numbers import number_lines
 from dashboard.scene.path_line import path_points
 from dashboard.telemetry.export_buffer import ExportBuffer
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.palette import Palette
+from formation.arrays import FloatArray
+from formation.scenario.scenario import Scenario
 from network.throttled_log import ThrottledLog
 
 PICTURE_SECONDS = 15.0
 """How long a page may take to draw its view: one without a graphics card takes seconds."""
 REPLAY, CSV, PICTURE = "Replay", "CSV", "Picture"
+NUMBERS = (10, 13, 17)
+"""Colour of the robots' numbers in a picture."""
 HINT = "The last minutes: a replay that plays in any browser, the plots as numbers, or a picture of the view"
 
 
@@ -71,15 +77,20 @@ class ExportButtons:
         if what == CSV:
             return file_name(self._run, data, ".csv"), as_csv(data)
         if what == PICTURE:
-            return file_name(self._run, data, ".png"), self._picture(client)
+            return file_name(self._run, data, ".png"), self._picture(client, snapshot.poses, snapshot.scenario)
         if what == REPLAY:
             replay = as_replay(self._run, data, snapshot.scenario, path_points(snapshot.scenario), self._palette())
             return file_name(self._run, data, ".html"), replay
         return None
 
-    def _picture(self, client: viser.ClientHandle) -> bytes:
+    def _picture(self, client: viser.ClientHandle, poses: FloatArray, scenario: Scenario) -> bytes:
         camera: Any = client.camera
-        drawn = client.get_render(
-            camera.image_height, camera.image_width, transport_format="png", timeout=PICTURE_SECONDS
-        )
+        lines = number_lines(poses, Sizes.of(float(scenario.pattern.distance.min())))
+        numbers = client.scene.add_line_segments("/picture/numbers", lines, NUMBERS, thickness=2.0)
+        try:
+            drawn = client.get_render(
+                camera.image_height, camera.image_width, transport_format="png", timeout=PICTURE_SECONDS
+            )
+        finally:
+            numbers.remove()
         return as_png(drawn, self._palette())

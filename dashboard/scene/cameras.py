@@ -1,11 +1,13 @@
 """The cameras of all pages: fit, 3D, follow the formation or one robot. Each page has its own.
 
-The camera is in perspective with a narrow angle: from above it looks flat, and it can be tilted into 3D.
+The camera is in perspective with a narrow angle: from above it looks flat, and it can be tilted into 3D. Every page
+begins by following the formation; what a user then does to the camera is kept.
 """
 
 import math
 import threading
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any
@@ -20,15 +22,25 @@ from formation.scenario.scenario import Scenario
 FOV = math.radians(12.0)
 TILT = 0.004
 """From the vertical [rad]: straight down, the up direction would be undefined."""
-WIDE_METRES = 4.0
-"""On longer paths the robots would be dots: then the camera follows them from the start [m]."""
 MARGIN = 1.12
+FOLLOWED = 3.5
+"""Height of the view that follows the formation, in diameters of the formation."""
+APART = 2.6
+"""The same while the robots are apart, in diameters of what they spread over."""
+LOWER = 0.035
+"""The view's middle is lower than the formation by this share of its height: the time line hides nothing."""
+BODY = 0.36
+"""Width of a body by the spacing."""
+OFF, NEAR = 0.15, 0.01
+"""The zoom eases once it is off by this share, until it is as near as that."""
+EASE_SECONDS = 0.3
+"""Time constant of the zoom [s]."""
 HOLD_SECONDS = 0.4
 """A following camera rests so long after a user moved it, then follows with the new offset [s]."""
 TRIES = 4
 """To read or write a camera while its page sends another pose."""
-ASPECT = 1.1
-"""Width by height of the canvas, until the page has sent its own."""
+ABOVE: FloatArray = np.array([0.0, -TILT, 1.0])
+"""Direction from the point looked at to a camera above it."""
 
 
 @dataclass(slots=True)
@@ -40,11 +52,17 @@ class _PageCamera:
     """Robot that is followed, 0 for the formation; None if nothing is."""
     offset: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     """From the point that the camera looks at to the camera [m]."""
+    height: float | None = None
+    """Of the view of a camera whose zoom follows the formation [m]; None once the user has chosen the zoom."""
+    lower: float = 0.0
+    """By so much the point looked at is below the formation's middle [m]."""
+    easing: bool = False
+    eased_at: float = 0.0
     set_at: float = 0.0
     rest_until: float = 0.0
     fit_at: list[float] = field(default_factory=list)
     """When to fit again: the page sends its size late [s]."""
-    ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=6))
+    ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=40))
     """Points looked at and offsets last sent to the page: one that differs comes from the user [m]."""
 
 
@@ -56,14 +74,17 @@ class Cameras:
         self._lock = threading.RLock()
         self._pages: dict[int, _PageCamera] = {}
         self._scenario: Scenario | None = None
-        self._poses: FloatArray = np.zeros((1, 3))
+        self._points: FloatArray = np.zeros((1, 2))
+        """Where the robots are [m]."""
+        self._playing: FloatArray = np.zeros((1, 2))
+        """Where those are that have an agent; all, if none has [m]."""
         self._set_home(np.zeros(3), 3.0)
         server.on_client_connect(self._connected)
         server.on_client_disconnect(self._gone)
 
     def _set_home(self, centre: FloatArray, height: float) -> None:
         camera = self._server.initial_camera
-        distance = 0.5 * MARGIN * height / math.tan(FOV / 2.0)
+        distance = _distance(height)
         x, y = float(centre[0]), float(centre[1])
         camera.position = (x, y - TILT * distance, distance)
         camera.look_at = (x, y, 0.0)
@@ -78,7 +99,7 @@ class Cameras:
             page = self._pages.get(client.client_id)
             if page is not None:
                 page.target = None
-                page.fit_at = [monotonic(), monotonic() + 0.4]
+                page.fit_at = [monotonic() + pause for pause in (0.0, 0.7, 2.0)]
 
     def tilt(self, client: viser.ClientHandle) -> None:
         """Look at the same point from the side."""
@@ -90,6 +111,7 @@ class Cameras:
             look_at = np.array(client.camera.look_at)
             distance = float(np.linalg.norm(np.array(client.camera.position) - look_at))
             self._move(page, look_at, 0.92 * distance * np.array([-0.30, -0.66, 0.69]))
+            page.height = None
 
     def follow(self, client: viser.ClientHandle, target: int = 0) -> None:
         """Keep a robot, or the formation (0), in the middle."""
@@ -99,10 +121,9 @@ class Cameras:
                 self._follow(page, target)
 
     def _follow(self, page: _PageCamera, target: int) -> None:
-        page.target = target
-        page.fit_at = []
-        distance = 0.5 * self._follow_height() / math.tan(FOV / 2.0)
-        self._move(page, self._centre(target), distance * np.array([0.0, -TILT, 1.0]))
+        page.target, page.fit_at, page.easing, page.eased_at = target, [], False, monotonic()
+        page.height = self._follow_height(page)
+        self._move(page, self._looked_at(page), _distance(page.height) * ABOVE)
 
     def release(self, client: viser.ClientHandle) -> None:
         """Follow nothing."""
@@ -113,38 +134,41 @@ class Cameras:
 
     # ------------------------------------------------------------------ every frame
 
-    def update(self, scenario: Scenario, poses: FloatArray) -> None:
-        """Move the cameras that follow."""
+    def update(self, scenario: Scenario, poses: FloatArray, live: Sequence[int]) -> None:
+        """Move the cameras that follow; those robots that have an agent are the formation."""
         with self._lock:
-            self._poses = poses
+            self._points = poses[:, :2]
+            rows = [robot - 1 for robot in live if robot <= len(poses)]
+            self._playing = self._points[rows] if rows else self._points
             if scenario is not self._scenario:
                 known, self._scenario = self._scenario, scenario
                 if known is None or known.path != scenario.path or known.size != scenario.size:
-                    self._begin(scenario)
+                    self._begin()
             now = monotonic()
             for page in self._pages.values():
                 if page.fit_at and now >= page.fit_at[0]:
                     page.fit_at.pop(0)
                     self._fit(page, scenario)
                 elif page.target is not None and now >= page.rest_until:
-                    self._move(page, self._centre(page.target), page.offset)
+                    self._ease(page, now)
+                    self._move(page, self._looked_at(page), page.offset)
 
-    def _begin(self, scenario: Scenario) -> None:
-        low, high = _bounds(scenario)
-        width, height = high - low
-        if self._wide(scenario):
-            self._set_home(self._centre(0), self._follow_height())
-        else:
-            self._set_home((low + high) / 2.0, max(height, width / ASPECT))
+    def _begin(self) -> None:
+        self._set_home(np.append(self._centre(0), 0.0), FOLLOWED * self._diameter())
         for page in self._pages.values():
-            self._first(page)
-
-    def _first(self, page: _PageCamera) -> None:
-        if self._scenario is not None and self._wide(self._scenario):
             self._follow(page, 0)
-        else:
-            page.target = None
-            page.fit_at = [monotonic() + pause for pause in (0.0, 0.7, 2.0)]
+
+    def _ease(self, page: _PageCamera, now: float) -> None:
+        """Bring the zoom of a page nearer to the formation's size, if it is far off."""
+        passed, page.eased_at = now - page.eased_at, now
+        if page.height is None:
+            return
+        target = self._follow_height(page)
+        off = abs(math.log(target / page.height))
+        page.easing = off > (NEAR if page.easing else OFF)
+        if page.easing:
+            page.height *= (target / page.height) ** (1.0 - math.exp(-min(passed, 1.0) / EASE_SECONDS))
+            page.offset = _distance(page.height) * ABOVE
 
     def _fit(self, page: _PageCamera, scenario: Scenario) -> None:
         if scenario.driven:  # there is no path to be shown before it is driven
@@ -153,8 +177,8 @@ class Cameras:
         low, high = _bounds(scenario)
         aspect = page.client.camera.aspect
         width, height = high - low
-        distance = 0.5 * MARGIN * max(height, width / aspect) / math.tan(FOV / 2.0)
-        self._move(page, np.append((low + high) / 2.0, 0.0), distance * np.array([0.0, -TILT, 1.0]))
+        distance = _distance(MARGIN * max(height, width / aspect))
+        self._move(page, np.append((low + high) / 2.0, 0.0), distance * ABOVE)
 
     def _move(self, page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> None:
         page.offset, page.set_at = offset, monotonic()
@@ -171,21 +195,31 @@ class Cameras:
             if abs(camera.fov - FOV) > 1e-6:
                 camera.fov = FOV
 
+    def _looked_at(self, page: _PageCamera) -> FloatArray:
+        """(3,) the point in the middle of the view of a page that follows something [m]."""
+        if page.height is not None:
+            page.lower = 0.0 if page.target else LOWER * page.height
+        x, y = self._centre(page.target or 0)
+        return np.array([x, y - page.lower, 0.0])
+
     def _centre(self, target: int) -> FloatArray:
-        poses = self._poses
-        if 0 < target <= len(poses):
-            return np.append(poses[target - 1, :2], 0.0)
-        return np.append(poses[:, :2].mean(axis=0), 0.0)
+        """(2,) of a robot, or of the robots that have an agent (0) [m]."""
+        if 0 < target <= len(self._points):
+            return np.asarray(self._points[target - 1])
+        return np.asarray((self._playing.min(axis=0) + self._playing.max(axis=0)) / 2.0)
 
-    def _follow_height(self) -> float:
+    def _diameter(self) -> float:
+        """Of the formation as it should be, with the bodies [m]."""
         if self._scenario is None:
-            return 0.75
-        return 0.55 + 2.2 * float(np.hypot(*self._scenario.formation.array.T).max())
+            return 0.2
+        reach = float(np.hypot(*self._scenario.formation.array.T).max())
+        return 2.0 * reach + BODY * float(self._scenario.pattern.distance.min())
 
-    @staticmethod
-    def _wide(scenario: Scenario) -> bool:
-        low, high = _bounds(scenario)
-        return scenario.driven or bool((high - low).max() > WIDE_METRES)
+    def _follow_height(self, page: _PageCamera) -> float:
+        """Of the view of a page that follows the formation or a robot [m]."""
+        spread = np.hypot(*(self._playing.max(axis=0) - self._playing.min(axis=0)))
+        height = max(FOLLOWED * self._diameter(), APART * float(spread) if not page.target else 0.0)
+        return height / min(1.0, page.client.camera.aspect)
 
     # ------------------------------------------------------------------ pages come and go
 
@@ -195,7 +229,8 @@ class Cameras:
             home = self._server.initial_camera
             for camera in (client.camera, home):
                 page.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
-            self._first(page)
+            if self._scenario is not None:
+                self._follow(page, 0)
 
         @client.camera.on_update
         def _(camera: viser.CameraHandle) -> None:
@@ -206,6 +241,11 @@ class Cameras:
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._pages.pop(client.client_id, None)
+
+
+def _distance(height: float) -> float:
+    """From which a view is so high [m]."""
+    return 0.5 * height / math.tan(FOV / 2.0)
 
 
 def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
@@ -224,7 +264,7 @@ def _note_user(page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> No
         if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in page.ours):
             page.fit_at = []
     elif all(np.linalg.norm(offset - to) > near for _, to in page.ours) and monotonic() - page.set_at < 10.0:
-        page.offset = offset
+        page.offset, page.height = offset, None
         page.rest_until = monotonic() + HOLD_SECONDS
 
 

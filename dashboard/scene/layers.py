@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashboard.scene import geometry
+from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
-from formation.pattern import downstream
 from formation.unicycle import roll_out
 from network.messages import Plan, Status
 
@@ -103,24 +104,22 @@ def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Byte
     return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
 
 
-def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float | None = None) -> FloatArray:
-    """(n, steps + 1, 2): positions that each plan leads to; a robot without one stays where it is drawn [m].
+def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float) -> FloatArray:
+    """(n, steps + 1, 2): where what is left of each plan leads to; a robot without one stays where it is drawn [m].
 
     Args:
         plans: of each robot.
         poses: (n, 3) where the robots are drawn [m, m, rad].
         steps: inputs of a plan.
-        now: draw what is left of the plans at this time [s], from where the robots are; None: whole, from their start.
+        now: [s].
     """
-    start, inputs, interval = poses.copy(), np.zeros((len(poses), steps, 2)), 0.1
+    inputs, interval = np.zeros((len(poses), steps, 2)), 0.1
     for row, plan in enumerate(plans):
         if plan is not None and len(plan.inputs) == steps:
             interval = plan.interval
-            gone = 0 if now is None else min(steps, max(0, int((now - plan.begins) / interval)))
+            gone = min(steps, max(0, int((now - plan.begins) / interval)))
             inputs[row, : steps - gone] = plan.inputs[gone:]
-            if now is None:
-                start[row] = plan.pose
-    return roll_out(start, inputs, interval)[..., :2]
+    return roll_out(poses, inputs, interval)[..., :2]
 
 
 def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
@@ -129,10 +128,40 @@ def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list
     return [_of(i, statuses[i].plan if i in statuses else None, episode) for i in numbers]
 
 
-def held_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
-    """Of every robot the plan that its downstream neighbour holds, ordered by sender."""
-    receivers = [(i, downstream(i, robots)) for i in range(1, robots + 1)]
-    return [_of(i, statuses[other].held if other in statuses else None, episode) for i, other in receivers]
+def believed(beliefs: list[BeliefView], poses: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    """Where the robot downstream of each believes it to be (n, 3), and to drive (n, steps + 1, 2), ordered by sender.
+
+    One of whom nobody believes anything is where it is.
+    """
+    places, lines = poses.copy(), np.repeat(poses[:, None, :2], steps + 1, axis=1)
+    for belief in beliefs:
+        if len(belief.line) == steps + 1:
+            places[belief.sender - 1], lines[belief.sender - 1] = belief.pose, belief.line
+    return places, lines
+
+
+def off(beliefs: list[BeliefView], poses: FloatArray) -> FloatArray:
+    """(n DASHES, 2, 2): dashes from each robot to where it is believed to be, if that is off by DISTANCE_LIMIT [m]."""
+    start, end = poses[:, :2], poses[:, :2].copy()
+    for belief in beliefs:
+        if belief.error > DISTANCE_LIMIT:
+            end[belief.sender - 1] = belief.pose[:2]
+    at = (np.arange(DASHES)[:, None] + [0.0, 0.6]) / DASHES
+    return np.asarray(start[:, None, None] + (end - start)[:, None, None] * at[None, :, :, None]).reshape(-1, 2, 2)
+
+
+AWAY = -1e4
+"""Where what is not shown is drawn [m]."""
+
+
+def told_ends(snapshot: Snapshot, robots: int) -> FloatArray:
+    """(n, 2): where the way ended that each robot was told, if it is lost; else far away [m]."""
+    ends = np.full((robots, 2), AWAY)
+    for robot, status in snapshot.statuses.items():
+        plan = status.plan
+        if status.lost and plan is not None and len(plan.way) and robot <= robots:
+            ends[robot - 1] = plan.way[-1, 2:4]
+    return ends
 
 
 def preview(plan: Plan | None, steps: int, z: float) -> FloatArray:

@@ -40,9 +40,7 @@ def meshes(scene: viser.SceneApi, name: str, shape: Shape, count: int) -> Any:
     )
 
 
-def scenario_nodes(
-    scene: viser.SceneApi, scenario: Scenario, sizes: layers.Sizes, palette: Palette, strokes: int
-) -> dict[str, Any]:
+def scenario_nodes(scene: viser.SceneApi, scenario: Scenario, sizes: layers.Sizes, palette: Palette) -> dict[str, Any]:
     """All nodes of a scenario but the ghost's, by name.
 
     Positions and colours are set with every frame; what is set here is their number, and what never changes.
@@ -52,7 +50,6 @@ def scenario_nodes(
         scenario: that is shown.
         sizes: of its robots.
         palette: of the theme.
-        strokes: number of line segments in the robots' numbers.
     """
     n, steps = scenario.size, scenario.controller.horizon
     hue, unit = colours.identities(n, palette), sizes.unit
@@ -62,7 +59,7 @@ def scenario_nodes(
     horizon = layers.fading(hue, steps + 1, 1.0, palette, towards_end=True)
     dashes = (steps + 1) // 2
     belief = np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], dashes, axis=0), 2, axis=1)
-    desired, number = colours.rgb(palette.desired), colours.rgb(palette.number)
+    desired = colours.rgb(palette.desired)
 
     def segments(name: str, count: int, colour: FloatArray, thickness: float) -> Any:
         return lines(scene, name, np.zeros((count, 2, 3)), colour, thickness)
@@ -79,10 +76,14 @@ def scenario_nodes(
         "/heads": meshes(scene, "/heads", geometry.arrow_head(0.016 * unit, 0.012 * unit), n),
         "/outlines": meshes(scene, "/outlines", geometry.teardrop(length, width, 0.003 * unit), n),
         "/bodies": meshes(scene, "/bodies", geometry.teardrop(length, width), n),
-        "/numbers": segments("/numbers", strokes, number, 2.0),
+        "/off": segments("/off", n * layers.DASHES, colours.rgb(palette.bad), 1.8),
+        "/believed": meshes(scene, "/believed", geometry.teardrop_rim(length, width, 0.0032 * unit), n),
     }
     if scenario.path.known_to == "leader":
         made["/preview"] = segments("/preview", steps, colours.mix(hue[0], 0.6, palette), 6.0)
         made["/goal"] = segments("/goal", 2, hue[0], 2.6)
+        made["/told"] = meshes(scene, "/told", geometry.ring(0.008 * unit, 0.0028 * unit), n)
+        made["/told"].batched_colors = colours.encode(np.tile(hue[0], (n, 1)))
+    made["/believed"].batched_colors = colours.encode(hue)
     made["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))
     return made

@@ -8,9 +8,10 @@ import viser
 
 from dashboard.scene import geometry, layers, nodes
 from dashboard.scene.ghost_layer import GhostLayer
+from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, Palette
 from formation.arrays import FloatArray
@@ -25,7 +26,7 @@ GHOST = "Ghost"
 LAYERS = {
     "Trails": ("/trails",),
     "Horizons": ("/horizons",),
-    "Beliefs": ("/beliefs",),
+    "Beliefs": ("/beliefs", "/believed", "/off"),
     "Slots": ("/slots", "/desired"),
     "Links": ("/links", "/heads"),
     GHOST: (),
@@ -54,8 +55,6 @@ class Scene:
         self._hidden: set[str] = set()
         self._scenario: Scenario | None = None
         self._frame = 0
-        self._strokes: FloatArray = np.empty((0, 2, 2))
-        self._stroke_owner: np.ndarray[Any, np.dtype[np.intp]] = np.empty(0, dtype=np.intp)
         self.focus: int | None = None
         """The robot with a bright outline."""
         self._focus_drawn: int | None = None
@@ -64,6 +63,7 @@ class Scene:
         self._ghost: GhostLayer | None = None
         self._ghost_shown = True
         self._palette = DARK
+        self._sizes = layers.Sizes(1.0)
         scene = server.scene
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
@@ -101,12 +101,26 @@ class Scene:
             if node in self._nodes:
                 self._nodes[node].visible = shown
 
-    def draw(self, snapshot: Snapshot, links: list[LinkView], history: History, *, whole: bool) -> None:
+    @property
+    def sizes(self) -> layers.Sizes:
+        """Of what is drawn."""
+        return self._sizes
+
+    def draw(
+        self,
+        snapshot: Snapshot,
+        links: list[LinkView],
+        beliefs: list[BeliefView],
+        history: History,
+        *,
+        whole: bool,
+    ) -> None:
         """Bring the scene up to date; call within server.atomic().
 
         Args:
-            seen: what is known.
+            snapshot: what is known.
             links: health of the ring's links.
+            beliefs: of the robots.
             history: for the trails.
             whole: also the layers that otherwise take turns from frame to frame.
         """
@@ -134,6 +148,7 @@ class Scene:
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)
+            self._believe(snapshot, beliefs, scenario.controller.horizon)
         if whole or self._frame % SLOW == 0 or self._focus_drawn != self.focus:
             self._focus_drawn = self.focus
             self._recolour(state, links)
@@ -145,8 +160,6 @@ class Scene:
         for name, layer in (("/outlines", 9), ("/bodies", 10)):
             drawn[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
             drawn[name].batched_wxyzs = turned
-        strokes = self._strokes + poses[self._stroke_owner, None, :2]
-        drawn["/numbers"].points = geometry.lifted(strokes, sizes.z(11))
 
     def _connect(self, poses: FloatArray, links: list[LinkView]) -> None:
         """Move edges and links."""
@@ -181,9 +194,18 @@ class Scene:
             said = layers.own_plans(snapshot.statuses, n, state.episode)[0]
             self._nodes["/preview"].points = layers.preview(said, steps, z(1))
             self._nodes["/goal"].points = layers.goal(state.driving.goal, 0.03 * self._sizes.unit, z(8))
-        held = layers.horizons(layers.held_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps)
-        dashes = geometry.segments(held, z(4)).reshape(n, steps, 2, 3)[:, ::2]
-        self._nodes["/beliefs"].points = dashes.reshape(-1, 2, 3)
+
+    def _believe(self, snapshot: Snapshot, beliefs: list[BeliefView], steps: int) -> None:
+        """Draw where each robot believes its upstream neighbour to be, and to drive."""
+        drawn, z, n = self._nodes, self._sizes.z, len(snapshot.poses)
+        places, lines = layers.believed(beliefs, snapshot.poses, steps)
+        dashes = geometry.segments(lines, z(4)).reshape(n, steps, 2, 3)[:, ::2]
+        drawn["/beliefs"].points = dashes.reshape(-1, 2, 3)
+        drawn["/believed"].batched_positions = geometry.lifted(places[:, :2], z(8))
+        drawn["/believed"].batched_wxyzs = geometry.turns(places[:, 2])
+        drawn["/off"].points = geometry.lifted(layers.off(beliefs, snapshot.poses), z(7))
+        if "/told" in drawn:
+            drawn["/told"].batched_positions = geometry.lifted(layers.told_ends(snapshot, n), z(5))
 
     # ------------------------------------------------------------------ nodes
 
@@ -195,11 +217,8 @@ class Scene:
         self._frame, self._state, self._robots_key = 0, None, None
         n = scenario.size
         self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))
-        numbers = [geometry.digits(i, 0.017 * sizes.unit) for i in range(1, n + 1)]
-        self._strokes = np.concatenate(numbers)
-        self._stroke_owner = np.repeat(np.arange(n), [len(number) for number in numbers])
         scene = self._server.scene
-        self._nodes = nodes.scenario_nodes(scene, scenario, sizes, self._palette, len(self._strokes))
+        self._nodes = nodes.scenario_nodes(scene, scenario, sizes, self._palette)
         self._ghost = GhostLayer(scene, n, sizes, self._palette)
         self._nodes.update(self._ghost.nodes)
         for name in self._hidden:

@@ -37,11 +37,15 @@ class Palette:
     cell: str
     section: str
     """Fine and coarse lines of the ground."""
+    ink: str
+    """Text over the scene."""
+    veil: str
+    """Behind such text, with its opacity."""
 
     def named(self) -> dict[str, str]:
         """The colours that HTML and plots use, by the name of their style sheet variable: ok, r1, ..."""
         hues = {f"r{i}": hue for i, hue in enumerate(self.identity, start=1)}
-        names = ("ok", "warn", "bad", "muted", "crowd", "ghost", "background")
+        names = ("ok", "warn", "bad", "muted", "crowd", "ghost", "background", "number", "ink", "veil")
         return {**{name: getattr(self, name) for name in names}, **hues}
 
 
@@ -63,6 +67,8 @@ DARK = Palette(
     number="0a0d11",
     cell="34363e",
     section="424a60",
+    ink="e6eaf0",
+    veil="1e2025db",
 )
 LIGHT = Palette(
     dark=False,
@@ -82,6 +88,8 @@ LIGHT = Palette(
     number="ffffff",
     cell="cfd4db",
     section="b9c1cc",
+    ink="1b222c",
+    veil="f4f6f8e0",
 )
 
 

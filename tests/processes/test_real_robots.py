@@ -57,8 +57,8 @@ class Watcher:
 
 def test_a_robot_of_another_make_takes_its_place_like_any_other(up: Callable[..., Up], tmp_path: Path) -> None:
     with router() as endpoint:
-        robot = SdkRobot(endpoint, tmp_path, [0.7, -0.05, 1.5])  # 5 cm from its start
-        live = up("--no-dashboard", "--robot", f"2={endpoint},namespace=/robot2")
+        robot = SdkRobot(endpoint, tmp_path, [0.7, -0.05, 1.5], "/robot1/odom")  # 5 cm from its start
+        live = up("--no-dashboard", "--robot", f"2={endpoint},namespace=/robot2", "--ros", endpoint)
         wait_for(lambda: "running triangle-circle" in live.text())
         with ZenohBus(find("test").endpoint, "test") as bus:
             watcher = Watcher(bus)
@@ -66,6 +66,7 @@ def test_a_robot_of_another_make_takes_its_place_like_any_other(up: Callable[...
             until = watcher.state().stamp + 2.0
             while watcher.state().stamp < until:  # and stays
                 assert watcher.error() < CLOSE
+            _sees_the_others(robot, watcher)
             robot.kill()
             wait_for(lambda: watcher.state().waiting_for == [2])
             assert "robot 2 is lost: no pose for 0.5 s" in [event.text for event in watcher.state().events]
@@ -78,6 +79,20 @@ def test_a_robot_of_another_make_takes_its_place_like_any_other(up: Callable[...
         os.kill(live.process.pid, signal.SIGKILL)
         wait_for(lambda: robot.state["velocity"] == [0.0, 0.0])
         robot.kill()
+
+
+def _sees_the_others(robot: SdkRobot, watcher: Watcher) -> None:
+    """As robots of ROS 2, by somebody else's code."""
+    state = wait_for(lambda: (found := robot.state)["topics"] and found)
+    assert state["seen"][:2] == pytest.approx(watcher.state().poses[0, :2], abs=0.05)
+    assert state["seen"][2] > 0.0
+    kinds = dict(state["topics"])
+    for i in (1, 3):
+        assert kinds[f"/robot{i}/odom"] == ["nav_msgs/msg/Odometry"]
+        assert kinds[f"/robot{i}/cmd_vel"] == ["geometry_msgs/msg/TwistStamped"]
+        assert kinds[f"/robot{i}/plan"] == kinds[f"/robot{i}/belief"] == ["nav_msgs/msg/Path"]
+    assert kinds["/tf"] == ["tf2_msgs/msg/TFMessage"]
+    assert kinds["/markers"] == ["visualization_msgs/msg/MarkerArray"]
 
 
 def _speeds(heard: list[bytes]) -> list[float]:

@@ -90,11 +90,11 @@ class Robot:
 class SdkRobot:
     """The robot of tests/ros/sdk_robot.py."""
 
-    def __init__(self, endpoint: str, folder: Path, pose: list[float], namespace: str = "/robot2") -> None:
+    def __init__(self, endpoint: str, folder: Path, pose: list[float], watched: str) -> None:
         needs("rosbags", "zenoh-ros2-sdk")
         self._file = folder / "robot.json"
         self._words = [sys.executable, "-m", "tests.ros.sdk_robot", "--port", endpoint.rpartition(":")[2]]
-        self._words += ["--namespace", namespace, "--log", str(self._file)]
+        self._words += ["--namespace", "/robot2", "--log", str(self._file), "--watch", watched]
         self._folder = folder
         self.start(pose)
 

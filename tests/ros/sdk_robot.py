@@ -42,7 +42,7 @@ def define(folder: Path, *names: str) -> None:
 class SdkRobot:
     """A unicycle."""
 
-    def __init__(self, port: int, namespace: str, pose: list[float], kind: str) -> None:
+    def __init__(self, port: int, namespace: str, pose: list[float], kind: str, watched: str) -> None:
         import zenoh_ros2_sdk as sdk
 
         folder = Path(tempfile.mkdtemp(prefix="msgs"))
@@ -56,6 +56,17 @@ class SdkRobot:
             f"{namespace}/cmd_vel", f"geometry_msgs/msg/{kind}", self.obey, node_name="base", **where
         )
         self.made = self.session.store.types
+        self.seen: list[float] = []
+        """Where the odometry of another robot says that it is, and how fast."""
+        if watched:
+            self.watch = sdk.ROS2Subscriber(watched, "nav_msgs/msg/Odometry", self.see, node_name="eye", **where)
+        self.known: list[Any] = []
+        self.asked_at = -math.inf
+        self.topics: Any = lambda: sdk.get_topic_names_and_types(router_port=port)
+
+    def see(self, message: Any) -> None:
+        place, twist = message.pose.pose.position, message.twist.twist
+        self.seen = [place.x, place.y, twist.linear.x, twist.angular.z]
 
     def obey(self, message: Any) -> None:
         twist = getattr(message, "twist", message)
@@ -88,15 +99,24 @@ def _array(values: list[float]) -> Any:
     return np.array(values)
 
 
+def vars_of(robot: SdkRobot) -> dict[str, Any]:
+    """What the test reads."""
+    found = {"pose": robot.pose, "velocity": robot.velocity, "seen": robot.seen}
+    if robot.seen and time.monotonic() - robot.asked_at > 1.0:
+        robot.asked_at, robot.known = time.monotonic(), robot.topics()
+    return {**found, "topics": robot.known}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, required=True)
     parser.add_argument("--namespace", default="")
     parser.add_argument("--pose", type=float, nargs=3, required=True)
     parser.add_argument("--kind", default="TwistStamped")
+    parser.add_argument("--watch", default="", help="odometry of another robot")
     parser.add_argument("--log", type=Path, help="a line of JSON a second: pose and velocity")
     options = parser.parse_args()
-    robot = SdkRobot(options.port, options.namespace, options.pose, options.kind)
+    robot = SdkRobot(options.port, options.namespace, options.pose, options.kind, options.watch)
     due, said = time.monotonic(), 0.0
     while True:
         due += PERIOD
@@ -106,7 +126,7 @@ def main() -> None:
         if time.monotonic() - said > 0.1:
             said = time.monotonic()
             if options.log:
-                options.log.write_text(json.dumps({"pose": robot.pose, "velocity": robot.velocity}))
+                options.log.write_text(json.dumps(vars_of(robot)))
 
 
 if __name__ == "__main__":

@@ -3,23 +3,35 @@
 import numpy as np
 import pytest
 
-from dashboard.scene.layers import Sizes, arrows, held_plans, horizons, own_plans
+from dashboard.scene.layers import Sizes, arrows, believed, horizons, off, own_plans
+from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from tests.builders import plan, state, status
 
 
-def test_the_belief_that_is_drawn_is_the_plan_that_the_neighbour_holds() -> None:
+def test_of_plans_those_of_the_robot_and_of_the_episode_are_drawn() -> None:
     message = {
-        1: status(1, 3, plan=plan(1, 99), held=plan(3, 49)),
-        2: status(2, 1, plan=plan(2, 99), held=plan(1, 7)),
-        3: status(3, 2, plan=plan(3, 99, episode=1), held=plan(1, 8)),  # of another episode; of another robot
+        1: status(1, 3, plan=plan(1, 99)),
+        2: status(2, 1, plan=plan(3, 99)),
+        3: status(3, 2, plan=plan(3, 9, 1)),
     }
-    numbers = [
-        [None if p is None else (p.sender, p.seq) for p in plans(message, 3, 0)] for plans in (own_plans, held_plans)
-    ]
-    assert numbers == [[(1, 99), (2, 99), None], [(1, 7), None, (3, 49)]]
+    assert [None if p is None else p.sender for p in own_plans(message, 3, 0)] == [1, None, None]
+
+
+def test_a_belief_is_drawn_at_the_robot_that_it_is_about_and_dashes_lead_there_if_it_is_far_off() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]])
+    line = np.linspace([0.5, 0.5], [0.6, 0.5], 21)
+    far = BeliefView(receiver=2, sender=1, pose=np.array([0.5, 0.5, 1.0]), line=line, error=0.7)
+    near = BeliefView(receiver=3, sender=2, pose=np.array([0.101, 0.0, 0.0]), line=line, error=0.001)
+    places, lines = believed([far, near], poses, 20)
+    np.testing.assert_array_equal(places, [far.pose, near.pose, poses[2]])
+    np.testing.assert_array_equal(lines[0], line)
+    dashes = off([far, near], poses).reshape(3, -1, 2, 2)
+    np.testing.assert_allclose(dashes[0, 0, 0], poses[0, :2])
+    assert np.hypot(*(dashes[0] - far.pose[:2]).T).min() < 0.1
+    assert np.ptp(dashes[1:], axis=(1, 2)).max() == 0.0, "nothing to be seen"
 
 
 @pytest.mark.parametrize("robots", [2, 3, 20])
@@ -48,4 +60,3 @@ def test_of_an_older_plan_the_rest_is_drawn_from_where_the_robot_is(elapsed: flo
     left = max(0, 20 - int(elapsed / 0.1))
     np.testing.assert_allclose(ahead[0], [3.0, 4.0])
     np.testing.assert_allclose(np.hypot(*np.diff(ahead, axis=0).T) > 1e-9, np.arange(20) < left)
-    np.testing.assert_allclose(horizons([message], poses, 20)[0, 0], message.pose[:2])

@@ -1,0 +1,1 @@
+"""What lies over the scene: status line, robots' numbers and chips, time line; placed by a script of each page."""

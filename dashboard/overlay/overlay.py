@@ -1,0 +1,89 @@
+"""The overlay of every page: hidden elements that hold what it shows, and the script that shows it.
+
+A panel cannot stand over the scene, and its HTML would be cut off, replaced while it is dragged, or folded away. So the
+script (overlay.js) makes elements of its own over the canvas and fills them with what it finds in the hidden ones.
+"""
+
+import json
+from collections.abc import Callable
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import viser
+
+from dashboard.notices import Notice
+from dashboard.overlay.chips import chips
+from dashboard.overlay.status_line import status_line
+from dashboard.panels.mirrored_controls import set_if_changed
+from dashboard.scene.layers import Sizes
+from dashboard.telemetry.beliefs import BeliefView
+from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.snapshot import Snapshot
+from dashboard.theme.templates import render
+
+MAX_TEXT = 64
+"""Of what a page writes into the hidden field."""
+
+OnWritten = Callable[[int, list[str]], None]
+"""(page, words): what the script of a page tells, such as ["width", "1280"]."""
+
+
+class Overlay:
+    """The hidden elements, in the current container of the page."""
+
+    def __init__(self, server: viser.ViserServer, on_written: OnWritten) -> None:
+        """Add the elements and the script.
+
+        Args:
+            server: of the page.
+            on_written: a page's script told something.
+        """
+        self._server, self._on_written = server, on_written
+        gui = server.gui
+        self._text: Any = gui.add_text("Overlay", "")
+        self._text.on_update(self._written)
+        label = f"label[for='{self._text._impl.uuid}']"
+        script = files("dashboard").joinpath("overlay/overlay.js").read_text(encoding="utf-8").replace("LABEL", label)
+        self._config = gui.add_html("")
+        self._status = gui.add_html("")
+        self._chips = gui.add_html("")
+        gui.add_html(
+            f"<style>:has(> * > * > * > {label}){{display:none}}</style>"
+            f'<img alt="" style="display:none" src="data:," onerror="{escape(script)}">'
+        )
+        self._notices: dict[int, Any] = {}
+        self._count = 0
+        server.on_client_disconnect(self._closed)
+
+    def _closed(self, client: viser.ClientHandle) -> None:
+        self._notices.pop(client.client_id, None)
+
+    def _written(self, event: viser.GuiEvent[Any]) -> None:
+        text = event.target.value
+        if event.client_id is not None and isinstance(text, str) and len(text) <= MAX_TEXT:
+            self._on_written(event.client_id, text.split(",")[:-1])  # behind the last comma: what makes it differ
+
+    def notify(self, page: int | None, notice: Notice) -> None:
+        """Show a notice for a while in the status line of one page, or of all."""
+        self._count += 1
+        content = render("overlay/notice_line.html", notice=notice, number=self._count)
+        for number, client in self._server.get_clients().items():
+            if page is None or page == number:
+                if number not in self._notices:
+                    self._notices[number] = client.gui.add_html("")
+                self._notices[number].content = content
+
+    def draw(self, snapshot: Snapshot, links: list[LinkView], beliefs: list[BeliefView], sizes: Sizes) -> None:
+        """Show the status line and the chips of this moment."""
+        config = {"length": sizes.body[0], "digit": 0.024 * sizes.unit}
+        set_if_changed(self._config, "content", _part("config", config))
+        line = status_line(snapshot, links)
+        set_if_changed(self._status, "content", render("overlay/status_line.html", line=line))
+        shown = render("overlay/chips.html", chips=chips(snapshot, beliefs))
+        set_if_changed(self._chips, "content", shown)
+
+
+def _part(name: str, value: object) -> str:
+    """A hidden element that holds a value for the script."""
+    return f'<div hidden class="e-source" data-part="{name}" data-value="{escape(json.dumps(value))}"></div>'

@@ -1,0 +1,70 @@
+"""What each robot's controller believes of the neighbour upstream, against where that robot is."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from formation.arrays import FloatArray
+from formation.pattern import upstream
+from formation.unicycle import roll_out, step
+from network.messages import State, Status
+
+
+class BeliefView(NamedTuple):
+    """The belief of one robot."""
+
+    receiver: int
+    sender: int
+    """The robot that it believes something of."""
+    pose: FloatArray
+    """(3,) where it believes the sender to be now [m, m, rad]."""
+    line: FloatArray
+    """(N + 1, 2) where it believes the sender to drive from now on [m]."""
+    error: float
+    """Distance from there to where the sender is [m]."""
+
+
+def beliefs(
+    state: State, statuses: Mapping[int, Status], poses: FloatArray, stamp: float, interval: float
+) -> list[BeliefView]:
+    """The beliefs of all robots that have planned in this episode, in the order of the receivers.
+
+    Args:
+        state: the newest.
+        statuses: of the agents.
+        poses: (n, 3) true poses at `stamp` [m, m, rad].
+        stamp: now [s].
+        interval: for which each input of a plan is held [s].
+    """
+    n, found = len(poses), list[tuple[int, FloatArray, FloatArray]]()
+    for receiver, status in sorted(statuses.items()):
+        held = status.believes
+        if held is not None and status.episode == state.episode and 1 <= receiver <= n:
+            found.append((receiver, *_at(held.pose, held.inputs, stamp - held.begins, interval)))
+    steps = {len(left) for _, _, left in found}
+    if len(steps) != 1:  # none, or of agents that differ in their horizon: they are no agents of this scenario
+        return []
+    lines = roll_out(np.array([pose for _, pose, _ in found]), np.array([left for _, _, left in found]), interval)
+    views = []
+    for (receiver, pose, _), line in zip(found, lines, strict=True):
+        sender = upstream(receiver, n)
+        error = math.dist(pose[:2], poses[sender - 1, :2])
+        views.append(BeliefView(receiver, sender, pose, line[:, :2], error))
+    return views
+
+
+def _at(pose: FloatArray, inputs: FloatArray, elapsed: float, interval: float) -> tuple[FloatArray, FloatArray]:
+    """Pose and inputs of a plan `elapsed` seconds after it begins; past its end its last input holds on."""
+    x, y, theta = pose.tolist()
+    rows, left, gone = inputs.tolist(), elapsed, 0
+    while gone < len(rows) - 1 and left > interval:
+        v, omega = rows[gone]
+        x, y, theta = step(x, y, theta, v, omega, interval)
+        left -= interval
+        gone += 1
+    v, omega = rows[gone]
+    x, y, theta = step(x, y, theta, v, omega, left)
+    rest = np.concatenate([inputs[gone:], np.repeat(inputs[-1:], gone, axis=0)])
+    return np.array([x, y, theta]), rest

@@ -1,0 +1,1 @@
+"""The robots of a run as ROS 2 sees them."""

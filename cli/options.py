@@ -149,12 +149,6 @@ def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
     return files.load(options.scenario, changes), changes
 
 
-def source(options: argparse.Namespace) -> str:
-    """The scenario's name, or the absolute path of its file."""
-    name: str = options.scenario
-    return str(Path(name).absolute()) if files.is_file(name) else name
-
-
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")

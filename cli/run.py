@@ -13,9 +13,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
-from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from formation.errors import EchelonError
-from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
 from runtime.precompile import ensure_compiled
@@ -37,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     """Simulate and print the measures."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
-    scenario, overrides = load(options)
+    scenario, _ = load(options)
     if not 0.0 <= options.warmup < scenario.duration:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
@@ -51,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, overrides, hosts, record, report)
+            summary = _processes(scenario, options, hosts, record, report)
     if record is not None:
         tell(f"recorded in {record}")
     if options.json:
@@ -75,7 +74,6 @@ def _inprocess(
 def _processes(
     scenario: Scenario,
     options: argparse.Namespace,
-    overrides: Overrides,
     hosts: Hosting,
     record: Path | None,
     report: Callable[[float], None],
@@ -83,8 +81,6 @@ def _processes(
     with LiveRun(
         f"run-{os.getpid()}",
         scenario,
-        source(options),
-        overrides,
         tell=tell,
         speed=1.0 if options.realtime else 0.0,
         realtime=options.realtime,

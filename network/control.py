@@ -157,6 +157,8 @@ class Orders(_Operation):
     """Every link that is not perfect, from each stamp on. The first table of an episode is the one at t = 0."""
     drives: list[tuple[Annotated[int, Field(ge=0)], OrderedSpeed, OrderedTurn]]
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
+    resumed: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
+    """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
 
 class GetTrace(_Operation):

@@ -241,6 +241,7 @@ class State:
     compare: Text
     """Controller of the requested ghost; empty for none."""
     driving: Driving = field(default_factory=Driving)  # the driver's orders, where the path is driven
+    resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first
     __pydantic_config__ = STRICT
 
 

@@ -109,13 +109,15 @@ class Recorder:
         scenario = json.loads(stretch.scenario)  # not validated: the code of a user's own is not loaded here
         interval = float(scenario.get("control_interval", Scenario.model_fields["control_interval"].default))
         begins = self._clock + (BETWEEN_EPISODES if self._episode is not None else 0)
+        if stretch.resumed:  # a segment begins where its first tick is
+            begins -= round(stretch.first * interval * 1e9)
         episode = _Episode(stretch.episode, len(stretch.slots), interval, begins, stretch.first)
-        self._episode, self._clock = episode, begins
+        self._episode, self._clock = episode, max(self._clock, begins)
         self._shown.clear()
         self._now = stretch.stamp
         controller = str(scenario.get("controller", {}).get("name", DEFAULT))
         values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
-        code = {"user_code": to_text(stretch.user_code)}
+        code = {"user_code": to_text(stretch.user_code), "resumed": json.dumps(stretch.resumed)}
         self._file.note("episode", {**values, **code, "scenario": stretch.scenario})
         return episode
 

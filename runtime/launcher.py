@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
-from formation.scenario.files import is_file
-from formation.scenario.overrides import Overrides, paths
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -43,8 +41,6 @@ class LiveRun:
         self,
         name: str,
         scenario: Scenario,
-        source: str | None,
-        overrides: Overrides,
         *,
         tell: Callable[[str], None],
         listening: Listening | None = None,
@@ -55,9 +51,7 @@ class LiveRun:
 
         Args:
             name: of the run.
-            scenario: what to run, already checked.
-            source, overrides: name or file, and what differs from it, from which the world makes the same scenario;
-                with None it gets the scenario itself.
+            scenario: what to run, already checked: the world gets this one, whatever becomes of its file.
             tell: called with a line for the user.
             listening: for other hosts.
             here: robots whose agents this host runs; None: all.
@@ -68,7 +62,7 @@ class LiveRun:
         """
         check_live(scenario.controller.name)
         self._scenario, self._tell = scenario, tell
-        self._name, self._source, self._overrides, self._options = name, source, overrides, options
+        self._name, self._options = name, options
         self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
         self._endings = Endings()
@@ -98,15 +92,11 @@ class LiveRun:
 
     def _claimed(self) -> RunPlan:
         """Claim the name; what the run's processes need to know."""
-        source, overrides = self._source, self._overrides
         page = self._options.get("dashboard")
         address = Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
         self._claim = claim = Claim(self._name, page=address)
         file = claim.path / "scenario.json"
         file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
-        if source is None or is_file(source) or any(path.endswith("file") for path in paths(overrides)):
-            # A pipe can be read once only, and nobody else needs the files that a scenario names.
-            source, overrides = str(file), {}
         options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
         endpoints: tuple[str, ...] = (claim.endpoint,)
         if self._listening is not None:
@@ -117,7 +107,7 @@ class LiveRun:
 
                 self.reception = Reception(self._listening, self._name, claim.path, self._vacant, self._tell)
                 options["keys"] = str(self.reception.folder)
-        return RunPlan(self._name, source, claim.endpoint, endpoints, overrides, here=self._here, **options)
+        return RunPlan(self._name, str(file), claim.endpoint, endpoints, here=self._here, **options)
 
     def _vacant(self) -> set[int]:
         """Robots whose agents are other hosts' to run, and not there."""

@@ -48,7 +48,7 @@ class RunPlan:
     endless: bool = False
     paused: bool = False
     folder: str | None = None
-    """The run's private folder, which the router removes if no launcher is left to do it."""
+    """The run's private folder: the world saves the run there, and the router removes it if no launcher is left."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
     started: str | None = None
@@ -79,6 +79,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         world += ["--overrides", to_json(plan.overrides)]
     world += ["--controllers", plan.code.known] if plan.code.known else []
     world += _each("--bodies", plan.code.bodies)
+    world += ["--folder", plan.folder] if plan.folder else []
     world += [flag for flag, on in _flags(plan) if on]
     world += _each("--real", tuple(str(number) for number, _ in plan.robots))
     router = (*_each("--listen", plan.listen), "--run", plan.run, *_doors(plan))

@@ -8,7 +8,7 @@ from pathlib import Path
 from setproctitle import setproctitle
 
 from cli.hosting import add_hosting, hosting, tell_how_to_join
-from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -58,7 +58,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run until Ctrl-C or a stop request."""
-    scenario, overrides = load(options)
+    scenario, _ = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
     hosts = hosting(options)
@@ -76,8 +76,6 @@ def run(options: argparse.Namespace) -> int:
     with LiveRun(
         name,
         scenario,
-        source(options),
-        overrides,
         tell=tell,
         dashboard=dashboard,
         token=token,

@@ -11,6 +11,7 @@ from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
 from formation.schema import Duration, Model, NonNegative, Positive
 from formation.validation import problems
+from network import topics
 from network.fields import Link
 from network.requests import Request
 from network.values import Intervention
@@ -270,7 +271,14 @@ OPERATIONS: dict[str, type[Operation]] = {
     "summary": GetSummary,
     "trace": GetTrace,
 }
+QUESTIONS = frozenset({"setup", "orders", "summary", "trace"})
+"""What changes nothing, so that anybody in the run may ask it."""
 _NAMES = {model: name for name, model in OPERATIONS.items()}
+
+
+def key(run: str, message: Request) -> str:
+    """Where a request is to be asked."""
+    return topics.question(run) if message.operation in QUESTIONS else topics.control(run)
 
 
 def request(operation: Operation) -> Request:

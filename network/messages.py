@@ -37,7 +37,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Driving, Event, LinkCounts, Mode, Pushed, RunStatus
 
-VERSION = 4
+VERSION = 5
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD  # the sender number of the world
 

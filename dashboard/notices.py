@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from formation.link_ids import LinkId
 
 COLOURS = {"info": "ok", "warning": "warn", "error": "bad"}

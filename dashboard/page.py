@@ -26,7 +26,9 @@ from dashboard.telemetry.beliefs import BeliefView, beliefs
 from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView, ring_links
-from dashboard.telemetry.subscriber import Snapshot, TelemetrySubscriber
+from dashboard.telemetry.origin import Localiser
+from dashboard.telemetry.snapshot import Snapshot
+from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme.palette import DARK, Palette
 from dashboard.theme.templates import style_element
 from dashboard.theme.titlebar import apply_theme
@@ -73,6 +75,7 @@ class Page:
         self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._telemetry, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
+        self._localiser = Localiser()
         self._history = History()
         self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
@@ -199,7 +202,7 @@ class Page:
 
     def _keep(self) -> tuple[Snapshot, list[LinkView]]:
         """What is known now, after adding it to what plots and export are made from."""
-        snapshot = self._telemetry.snapshot()
+        snapshot = self._localiser.local(self._telemetry.snapshot())
         state, known = snapshot.state, snapshot.scenario is not None
         if state is not None and known:
             self._history.ghost.update(state, snapshot.ghosts)
@@ -208,7 +211,7 @@ class Page:
             self._links = ring_links(state, snapshot.statuses)
             if known:
                 self._history.add(state, self._links, snapshot.statuses)
-                self._export_buffer.add(state, self._links, snapshot.statuses)
+                self._export_buffer.add(state, self._links, snapshot.statuses, snapshot.origin)
         return snapshot, self._links
 
     def _frame(self) -> int:

@@ -11,11 +11,13 @@ from formation.link_ids import plan_links
 
 
 def as_csv(data: ExportData) -> bytes:
-    """A row per moment: errors of all robots, ages over all links, agents alive, and the events since the last row."""
+    """A row per moment: places in the scenario's coordinates, errors, ages over all links, agents alive, and events."""
     n = data.robots
     numbers = range(1, n + 1)
     robots = [f"R{i}" for i in numbers]
     columns = (
+        ("x_m", "x", robots),
+        ("y_m", "y", robots),
         ("distance_error_m", "distance_error", robots),
         ("angle_error_rad", "angle_error", robots),
         ("plan_age_s", "age", [str(link) for link in plan_links(n)]),
@@ -27,12 +29,13 @@ def as_csv(data: ExportData) -> bytes:
     for event in data.events:
         events[min(bisect_left(data.t, event.stamp), len(events) - 1)].append(event.text)
     values = np.concatenate([data.values[key] for _, key, _ in columns], axis=1)
-    ages = slice(2 * n, 3 * n)
+    places = np.repeat(data.origin, n) + values[:, : 2 * n].astype(float)
+    ages = slice(4 * n, 5 * n)
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(["t_s", "tracking_error_m", *heads, *flag_heads, "events"])
     for row, t in enumerate(data.t):
-        cells = [f"{value:.6g}" for value in values[row]]
+        cells = [*(f"{place:.4f}" for place in places[row]), *(f"{value:.6g}" for value in values[row, 2 * n :])]
         cells[ages] = ["" if value < 0.0 else cell for value, cell in zip(values[row, ages], cells[ages], strict=True)]
         flags = data.flags[row]
         alive, held = (flags & DEAD) == 0, (flags & HELD) != 0

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LOST_SECONDS
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration, length
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import hue

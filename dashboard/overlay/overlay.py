@@ -19,7 +19,7 @@ from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.scene.layers import Sizes
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 
 MAX_TEXT = 64

@@ -12,7 +12,7 @@ import viser
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.panels.wheel import Wheel
 from dashboard.requests import RequestQueue
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 from formation.link_ids import DRIVING
 from formation.scenario.scenario import Scenario
@@ -34,6 +34,8 @@ class DrivePanel:
     def __init__(self, server: viser.ViserServer, requests: RequestQueue) -> None:
         self._server, self._requests = server, requests
         self._scenario: Scenario | None = None
+        self._origin = (0.0, 0.0)
+        """Of what is drawn, in the scenario's coordinates [m]."""
         gui = server.gui
         self._folder = gui.add_folder("Drive", visible=False)
         with self._folder:
@@ -101,7 +103,8 @@ class DrivePanel:
             return
         x, y = ox - dx * oz / dz, oy - dy * oz / dz
         if math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) < FARTHEST:
-            self._requests.steer(GoTo(x=x, y=y), event.client_id)
+            east, north = self._origin
+            self._requests.steer(GoTo(x=x + east, y=y + north), event.client_id)
 
     def _listen(self, *, on: bool) -> None:
         if on and not self._listens:
@@ -128,8 +131,10 @@ class DrivePanel:
             return
         page = self._wheel.page if self._wheel else None
         set_if_changed(self._take, "label", "Take the wheel" if page is None else f"Page {page} has the wheel")
+        east, north = self._origin = (float(snapshot.origin[0]), float(snapshot.origin[1]))
+        goal = None if state.driving.goal is None else (state.driving.goal[0] + east, state.driving.goal[1] + north)
         ages = _ages(snapshot)
-        shown = render("panels/driving.html", driving=state.driving, law=driven.law, page=page, ages=ages)
+        shown = render("panels/driving.html", driving=state.driving, goal=goal, law=driven.law, page=page, ages=ages)
         set_if_changed(self._shown, "content", shown)
 
 

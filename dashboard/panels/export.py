@@ -15,7 +15,7 @@ from dashboard.scene.layers import Sizes
 from dashboard.scene.numbers import number_lines
 from dashboard.scene.path_line import path_points
 from dashboard.telemetry.export_buffer import ExportBuffer
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario

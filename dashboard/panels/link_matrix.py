@@ -4,7 +4,7 @@ from collections.abc import Collection
 
 from dashboard.panels.clickable import Clickable
 from dashboard.telemetry.links import LinkView, driver_link
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.run_summary import lag, robot_label
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
 from dashboard.theme.limits import LAG_LIMIT
 from dashboard.theme.palette import hue

@@ -12,7 +12,7 @@ from dashboard.requests import RequestQueue
 from dashboard.scenario_list import ScenarioList
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 from formation.errors import ScenarioError
 from formation.scenario.registry import live, names, told

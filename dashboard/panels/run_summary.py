@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, oldest
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration, length
 from dashboard.theme.limits import DISTANCE_LIMIT, LAG_LIMIT, TRACKING_LIMIT
 from dashboard.theme.palette import hue

@@ -11,7 +11,7 @@ import numpy as np
 from dashboard.scene import geometry
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import Palette

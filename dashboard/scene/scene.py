@@ -11,7 +11,7 @@ from dashboard.scene.ghost_layer import GhostLayer
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.palette import DARK, Palette
 from formation.arrays import FloatArray

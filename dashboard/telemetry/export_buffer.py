@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.origin import HERE
 from formation.arrays import FloatArray
 from network.messages import State, Status
 from network.values import Event
@@ -40,6 +41,8 @@ class ExportData:
     flags: Flags
     """(rows, n)."""
     events: tuple[Event, ...]
+    origin: FloatArray
+    """(2,) of all places here, in the scenario's coordinates [m]."""
 
 
 class ExportBuffer:
@@ -49,6 +52,7 @@ class ExportBuffer:
         self._lock = threading.Lock()
         self._key: tuple[int, int] = (-1, 0)
         self._names = ("", "")
+        self._origin = HERE
         self._count = 0
         self._times: FloatArray = np.zeros((ROWS, 2))
         self._floats = np.zeros((ROWS, 0, len(_FLOATS)), dtype=np.float32)
@@ -56,8 +60,10 @@ class ExportBuffer:
         self._events: deque[Event] = deque(maxlen=KEPT_EVENTS)
         self._newest = 0
 
-    def add(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> None:
-        """Add the newest state."""
+    def add(
+        self, state: State, links: list[LinkView], statuses: Mapping[int, Status], origin: FloatArray = HERE
+    ) -> None:
+        """Add the newest state; places are relative to the origin (2,) [m]."""
         with self._lock:
             if self._key != (state.episode, len(state.poses)):
                 self._begin(state)
@@ -73,7 +79,7 @@ class ExportBuffer:
                 return
             row = self._count % ROWS
             self._count += 1
-            self._names = (state.scenario, state.controller)
+            self._names, self._origin = (state.scenario, state.controller), origin
             self._times[row] = state.stamp, state.tracking_error
             table = self._floats[row]
             table[:, 0:3], table[:, 3:5] = state.poses, state.slots[:, :2]
@@ -106,6 +112,7 @@ class ExportBuffer:
                 values={name: np.ascontiguousarray(floats[:, :, i]) for i, name in enumerate(_FLOATS)},
                 flags=self._flags[rows],
                 events=tuple(event for event in self._events if event.stamp >= times[0, 0]),
+                origin=self._origin,
             )
 
 

@@ -7,13 +7,12 @@ messages, wait outside Python until the page takes them.
 import json
 import threading
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import islice
 from time import monotonic
 
 import numpy as np
 
+from dashboard.telemetry.snapshot import Snapshot
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
@@ -33,27 +32,6 @@ WAITING_STATUSES = 2 * MAX_ROBOTS
 """Statuses that wait, at most: of each robot only the newest counts."""
 SETUP_INTERVAL = 0.25
 """Between two requests for the setup [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """What the page knows at one moment."""
-
-    state: State | None
-    """The newest; None before the first."""
-    scenario: Scenario | None
-    """The scenario; None until the setup that fits `state` has arrived."""
-    statuses: Mapping[int, Status]
-    poses: FloatArray
-    """(n, 3) true poses, interpolated between the last two states so that motion is smooth [m, m, rad]."""
-    stamp: float
-    """Simulated time of these poses [s]."""
-    ghosts: tuple[Ghost, ...]
-    """Ghost messages since the last snapshot, oldest first."""
-    world_alive: bool
-    """Whether the world has published its state lately."""
-    connected: bool
-    """Whether the router can be reached."""
 
 
 class TelemetrySubscriber:

@@ -6,7 +6,7 @@ import pytest
 
 from dashboard.notices import AT_ONCE, COLOURS, Notice, Notices
 from dashboard.telemetry.links import ring_links
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from formation.faults import Fault
 from formation.link_ids import LinkId, plan_links
 from network.messages import State

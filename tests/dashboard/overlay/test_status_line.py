@@ -7,7 +7,7 @@ import pytest
 from dashboard.overlay.chips import chips
 from dashboard.overlay.status_line import StatusLine, status_line
 from dashboard.telemetry.links import ring_links
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.scenario.files import load

@@ -8,7 +8,7 @@ import pytest
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.link_matrix import MATRIX_ROBOTS, link_matrix
 from dashboard.telemetry.links import ring_links
-from dashboard.telemetry.subscriber import Snapshot
+from dashboard.telemetry.snapshot import Snapshot
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from tests.builders import state, status

@@ -24,6 +24,6 @@ def test_anything_else_holds_no_key(text: object) -> None:
 
 def test_the_panel_tells_what_is_ordered_and_how_old_it_is_at_each_robot() -> None:
     driving, law = Driving(2, 0.1, -0.2, (0.5, 0.25)), load("drive-me").law
-    text = render("panels/driving.html", driving=driving, law=law, page=3, ages={1: 17.0, 2: 0.02})
+    text = render("panels/driving.html", driving=driving, goal=driving.goal, law=law, page=3, ages={1: 17.0, 2: 0.02})
     for words in ("0.10 of 0.34 m/s", "-0.20 of 1.00 rad/s", "goes to 0.50, 0.25 m", "page 3", "1: 17.0 s", "2: 20 ms"):
         assert words in text

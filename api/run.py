@@ -227,8 +227,6 @@ def launch(
     live = LiveRun(
         name,
         whole,
-        None,
-        {},
         tell=tell,
         dashboard=(LOOPBACK, _free_port()) if page else None,
         realtime=realtime,

@@ -9,6 +9,7 @@ from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
 from formation.schema import Duration, Model, NonNegative
 from formation.validation import problems
+from network import topics
 from network.fields import Link
 from network.requests import Request
 
@@ -156,6 +157,8 @@ class Orders(_Operation):
     """Every link that is not perfect, from each stamp on. The first table of an episode is the one at t = 0."""
     drives: list[tuple[Annotated[int, Field(ge=0)], OrderedSpeed, OrderedTurn]]
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
+    resumed: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
+    """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
 
 class GetTrace(_Operation):
@@ -215,7 +218,14 @@ OPERATIONS: dict[str, type[Operation]] = {
     "summary": GetSummary,
     "trace": GetTrace,
 }
+QUESTIONS = frozenset({"setup", "orders", "summary", "trace"})
+"""What changes nothing, so that anybody in the run may ask it."""
 _NAMES = {model: name for name, model in OPERATIONS.items()}
+
+
+def key(run: str, message: Request) -> str:
+    """Where a request is to be asked."""
+    return topics.question(run) if message.operation in QUESTIONS else topics.control(run)
 
 
 def request(operation: Operation) -> Request:

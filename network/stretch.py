@@ -48,6 +48,8 @@ class Stretch:
     events: list[Event] = field(default_factory=list)
     scenario: LongText = ""
     """JSON of the scenario, in the first stretch of an episode and in the first that a recorder gets; else empty."""
+    resumed: list[Count] = field(default_factory=list)
+    """With the scenario: ticks from which on a world went on from a saved state, and every agent began anew."""
     user_code: list[UserCode] = field(default_factory=list)
     """With the scenario: the code of a user's own that it runs with."""
     __pydantic_config__ = STRICT

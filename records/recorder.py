@@ -122,17 +122,19 @@ class Recorder:
         scenario = json.loads(stretch.scenario)  # not validated: the code of a user's own is not loaded here
         interval = float(scenario.get("control_interval", Scenario.model_fields["control_interval"].default))
         begins = self._clock + (BETWEEN_EPISODES if self._episode is not None else 0)
+        if stretch.resumed:  # a segment begins where its first tick is
+            begins -= round(stretch.first * interval * 1e9)
         n = len(stretch.slots)
         radii = np.array(Bodies.model_validate(scenario.get("bodies", {})).radii(n))
         again = stretch.mode == "lockstep"
         episode = _Episode(stretch.episode, n, interval, begins, stretch.first, radii, again)
-        self._episode, self._clock = episode, begins
+        self._episode, self._clock = episode, max(self._clock, begins)
         self._shown.clear()
         self._ages.clear()
         self._now = stretch.stamp
         controller = str(scenario.get("controller", {}).get("name", DEFAULT))
         values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
-        code = {"user_code": to_text(stretch.user_code)}
+        code = {"user_code": to_text(stretch.user_code), "resumed": json.dumps(stretch.resumed)}
         self._file.note("episode", {**values, **code, "scenario": stretch.scenario})
         return episode
 

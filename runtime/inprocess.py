@@ -56,6 +56,13 @@ class Simulation:
         """Whether the scenario's duration is over."""
         return self.world.finished
 
+    def go_on(self) -> None:
+        """Begin a segment, as a live run does whose world was lost: every agent begins anew."""
+        assert self._team is None  # no live run has one
+        self.world.go_on()
+        self.agents = {robot: self._agent(robot) for robot in self.world.robots}
+        self._plans = []
+
     def step(self) -> dict[int, Answer]:
         """One tick: deliver plans, plan, move. What every agent answered."""
         world, agents = self.world, self.agents

@@ -73,6 +73,7 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
         [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
     )
+    shadow.resume_at(episode.resumed)
     compared = 0
     for tick in episode.ticks:
         if tick > end:

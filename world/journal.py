@@ -45,6 +45,11 @@ class Journal:
         if self._wanted:
             self._add()
 
+    def go_on(self) -> None:
+        """Another process has handed over what there was: a recorder gets this segment as it gets an episode."""
+        self._episode, self._wanted, self._events = self._world.episode, False, 0
+        self._open()
+
     @property
     def wanted(self) -> bool:
         """Whether there is a recorder."""
@@ -120,6 +125,7 @@ class Journal:
             orders=self._orders[self._sent :],
             events=newest,
             scenario="" if self._stretches else world.scenario.model_dump_json(exclude_unset=True),
+            resumed=[] if self._stretches else self._world.resumed,
             user_code=[] if self._stretches else user_code_of(world.scenario),
         )
         self._stretches, self._sent, self._rows = self._stretches + 1, len(self._orders), []

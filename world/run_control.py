@@ -19,6 +19,8 @@ from world.world import World
 
 BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step, control.Drive, control.GoTo)
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
+READS = (control.GetOrders, control.GetTrace, control.GetSummary)
+"""Operations that change nothing."""
 
 
 class RunControl:
@@ -32,6 +34,8 @@ class RunControl:
         """Whether a user has asked the run to end."""
         self.compare = ""
         """Controller of the requested ghost; empty for none."""
+        self.changes = 0
+        """Operations that may have changed something, so far."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
@@ -67,6 +71,7 @@ class RunControl:
             EchelonError: it cannot be done; the text gives the reason.
         """
         world = self._world
+        self.changes += not isinstance(operation, READS)
         match operation:
             case control.Start():
                 if world.finished:
@@ -150,6 +155,7 @@ class RunControl:
             "episode": world.episode,
             "changes": world.faults.changes,
             "drive_changes": driver.count if driver else 0,
+            "resumed": world.resumed,
             "tables": world.faults.since(tables),
             "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
         }

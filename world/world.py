@@ -4,7 +4,8 @@ It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides w
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from world.convergence import Convergence
 from world.driver import Driver
 from world.faults import FaultState
 from world.sight import Sight
+from world.states import SKIPPED
 from world.trace import Trace
 
 SHOWN_EVENTS, KEPT_EVENTS = 40, 5000
@@ -34,8 +36,6 @@ SHOWN_EVENTS, KEPT_EVENTS = 40, 5000
 
 class World:
     """Bodies, links to them, faults, events and trace of one run; `reset` starts a new episode."""
-
-    bodies_for: Callable[[Scenario], Bodies] = staticmethod(bodies_for)
 
     def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
         """A world at the start of an episode.
@@ -46,20 +46,22 @@ class World:
             endless: continue past the duration, if the path is closed; then no trace is kept.
             mode: "lockstep" or "realtime", for displays.
         """
-        self.episode, self.mode = episode, mode
-        self._endless_wish = endless
-        self.revision = 0
+        self.scenario, self.episode, self.mode = scenario, episode, mode
+        self._endless_wish, self.revision = endless, 0
         self.events: deque[Event] = deque(maxlen=KEPT_EVENTS)
         self._event_count = 0
-        self._scenario = scenario
         self._begin()
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
+    def bodies_for(self, scenario: Scenario) -> Bodies:
+        """The bodies of an episode."""
+        return bodies_for(scenario)
+
     def _begin(self) -> None:
         """Begin an episode of the scenario."""
-        scenario = self._scenario
-        self.k = 0
-        self._earlier_events = self._event_count
+        scenario = self.scenario
+        self.k, self._earlier_events = 0, self._event_count
+        self.resumed: list[int] = []  # ticks of the episode at which a world went on from a saved state
         self.endless = self._endless_wish and scenario.path.endless
         self.plant, self._sight = self.bodies_for(scenario), Sight(scenario)
         self.faults = FaultState(scenario)
@@ -73,37 +75,28 @@ class World:
         self.counts: dict[LinkId, LinkCounts] = {}
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
-        self.convergence = Convergence()
         self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
-        self._commands = CommandLinks(scenario)
+        self.convergence, self._commands = Convergence(), CommandLinks(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
         self._look()
         self._drive()
 
-    # ------------------------------------------------------------------ state
-
-    @property
-    def scenario(self) -> Scenario:
-        return self._scenario
-
     @property
     def robots(self) -> range:
         """Numbers of the robots."""
-        return range(1, self._scenario.size + 1)
+        return range(1, self.scenario.size + 1)
 
     @property
     def now(self) -> float:
         """Simulated time [s]."""
-        return self.k * self._scenario.control_interval
+        return self.k * self.scenario.control_interval
 
     @property
     def finished(self) -> bool:
         """Whether the episode has reached its duration."""
-        return not self.endless and self.k >= self._scenario.ticks
-
-    # ------------------------------------------------------------------ stepping
+        return not self.endless and self.k >= self.scenario.ticks
 
     def tick(self) -> Tick:
         """The Tick of now; the same message until `advance`."""
@@ -121,7 +114,7 @@ class World:
                 poses=measured.poses if measured else NO_POSES,
                 localised=measured.localised if measured else [],
                 relatives=measured.relatives if measured else NO_PLACES,
-                last=not self.endless and self.k == self._scenario.ticks - 1,
+                last=not self.endless and self.k == self.scenario.ticks - 1,
                 seen=self._sight.see(self.k, self.plant.poses),
                 drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
             )
@@ -166,8 +159,6 @@ class World:
             self.revision += 1
             self._commands.set_faults(self.faults.table)
 
-    # ------------------------------------------------------------------ operations of users
-
     def reset(self) -> None:
         """Start a new episode; faults that users set without an end stay."""
         overrides = self.faults
@@ -180,7 +171,7 @@ class World:
 
     def use(self, scenario: Scenario) -> None:
         """Start an episode of another scenario, without the faults that users set."""
-        self._scenario = scenario
+        self.scenario = scenario
         self._next_episode()
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
@@ -190,6 +181,16 @@ class World:
         live = self.live
         self._begin()
         self.live = live & set(self.robots)
+
+    def go_on(self) -> None:
+        """This is a saved state: begin a segment of the episode, in which every agent begins anew."""
+        self.episode, self.revision = self.episode + 1, self.revision + 1
+        self.resumed.append(self.k)
+        self._event_count, self._planned = self._event_count + SKIPPED, []
+        if self._tick is not None:  # the sensors measure once per tick
+            self._tick = replace(self._tick, episode=self.episode, revision=self.revision, planned=[])
+        text = f"the world was lost: segment {len(self.resumed) + 1} goes on from here, every agent begins anew"
+        self.event("run", text, "warning")
 
     def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
         """Set keys of a fault from the next tick on. Raises FaultError."""
@@ -226,7 +227,7 @@ class World:
             stamp=self.now,
             episode=self.episode,
             revision=self.revision,
-            scenario=self._scenario.model_dump_json(exclude_unset=True),
+            scenario=self.scenario.model_dump_json(exclude_unset=True),
             mode=self.mode,
             faults=dict(self.faults.table),
             user_code=user_code(),
@@ -234,19 +235,18 @@ class World:
 
     def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
         """The summary of the episode so far; empty for an endless one."""
-        links = {link: self.counts.get(link, LinkCounts()) for link in sorted(self.counts)}
         if self.trace is None:
             return {}
+        links = {link: self.counts[link] for link in sorted(self.counts)}
+        events = [event for event in self.events if event.number > self._earlier_events]
         return {
-            **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
+            **self.trace.summary(links, self.convergence, self.excursions, events, warmup=warmup),
             **self.contacts.summary(),
-            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self._scenario)],
+            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self.scenario)],
+            "resumed_at": [k * self.scenario.control_interval for k in self.resumed],
             "commands": self.driver.commands if self.driver else [],
             "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
         }
-
-    def _events_of_episode(self) -> list[Event]:
-        return [event for event in self.events if event.number > self._earlier_events]
 
     def state(
         self,
@@ -264,8 +264,7 @@ class World:
         """The State of now; the arguments are what only its process knows."""
         block = self.reference.block(self.k)
         row = self.k - block.first
-        centre: FloatArray = block.centre[row, :3]
-        poses = self.plant.poses
+        centre, poses = block.centre[row, :3], self.plant.poses
         distance, angle = pattern_errors(poses, block.slots[row])
         return State(
             sender=WORLD,
@@ -273,8 +272,8 @@ class World:
             stamp=self.now,
             episode=self.episode,
             revision=self.revision,
-            scenario=self._scenario.name,
-            controller=self._scenario.controller.name,
+            scenario=self.scenario.name,
+            controller=self.scenario.controller.name,
             mode=self.mode,
             status=status,
             waiting_for=list(waiting_for),
@@ -296,5 +295,6 @@ class World:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            resumed=self.resumed,
             driving=self.driver.shown if self.driver else Driving(),
         )

@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> None:
         operation = _pair(options.action, options.value, getattr(options, "seconds", None))
     else:
         operation = _operation(options.action, getattr(options, "value", ""))
-    with session(options) as live:
+    with session(options, orders=True) as live:
         done = ask(live, operation).value
     if isinstance(operation, control.Drive) and (done.get("v"), done.get("omega")) != (operation.v, operation.omega):
         print(f"drives at {done.get('v'):.3g} m/s and {done.get('omega'):.3g} rad/s, which is as fast as it can")

@@ -166,6 +166,8 @@ class GhostNode:
         known = shadow.tables_known, shadow.drives_known
         if told.episode != shadow.episode or tuple(map(asked.arguments.get, ("tables", "drives"))) != known:
             return
+        if not any(known):
+            shadow.resume_at(told.resumed)
         shadow.learn(told.tables, told.drives)
         self._ask_at = 0.0
         if not told.tables or shadow.tables_known >= told.changes:

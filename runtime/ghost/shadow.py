@@ -37,6 +37,7 @@ class Shadow:
         self._interval = scenario.control_interval
         self._tables: deque[tuple[float, Mapping[LinkId, Fault]]] = deque()
         self._drives: deque[tuple[int, float, float]] = deque()
+        self._resumed: list[int] = []
 
     @property
     def k(self) -> int:
@@ -74,6 +75,10 @@ class Shadow:
             self._drives.append(drive)
             self.drives_known += 1
 
+    def resume_at(self, ticks: Iterable[int]) -> None:
+        """At these ticks, in order, the live world went on from a saved state: here too every agent begins anew."""
+        self._resumed = [tick for tick in ticks if tick >= self.k]
+
     def tick_at(self, stamp: float) -> int:
         """Number of the tick with this stamp [s]."""
         return round(stamp / self._interval)
@@ -81,6 +86,9 @@ class Shadow:
     def step(self) -> None:
         """Simulate one tick."""
         world = self._simulation.world
+        while self._resumed and self._resumed[0] <= world.k:
+            del self._resumed[0]
+            self._simulation.go_on()
         while self._tables and self._tables[0][0] <= world.now + 1e-9:
             world.impose_faults(self._tables.popleft()[1])
         while world.driver and self._drives and self._drives[0][0] <= world.k:

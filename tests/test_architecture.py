@@ -71,8 +71,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
-        {"trace", "rate", "sight"},
+        {"bodies", "faults", "driver", "states", "command_links"},
+        {"measures", "rate", "sight", "interventions"},
+        {"episode"},
         {"world"},
         {"presence", "journal", "samples"},
         {"run_control"},

@@ -143,7 +143,7 @@ def test_a_drag_shows_the_moment_while_the_run_goes_on_and_live_returns(page: Dr
     page.page.locator(".e-handle").press("ArrowRight")
     page.until(lambda: bool(np.abs(page.bodies() - before).max() > 1e-3), "a second later")
     page.press("Next event")
-    page.wait_text(r"0\.\d s after 2→3 cut|Link 2 → 3 cut", 20.0)
+    page.wait_text(r"0\.\d s after \d→\d cut", 20.0)
     page.page.locator(".e-live").click()
     page.wait_text("● LIVE")
     page.until(lambda: "REWOUND" not in page.text(), "the run as it is")

@@ -21,6 +21,7 @@ from network.codec import encode
 from network.lifetime import Lifetime
 from network.messages import Message, Tick
 from network.zenoh_bus import ZenohBus
+from world.parts import Parts
 from world.process import run
 from world.world import World
 
@@ -92,7 +93,7 @@ def main() -> int:
     with Ensemble(options.connect, options.run) as session:
         world = World(scenario, endless=options.endless)
         session.gather(world)
-        run(session, world, Lifetime(session.wake), speed=1.0, start=True)
+        run(session, Parts.of(world, speed=1.0, start=True), Lifetime(session.wake))
     return 0
 
 

@@ -15,6 +15,8 @@ from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
+from network.access.keys import LOCAL, OPEN, protocol
+from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
@@ -147,24 +149,25 @@ def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
     return files.load(options.scenario, changes), changes
 
 
-def source(options: argparse.Namespace) -> str:
-    """The scenario's name, or the absolute path of its file."""
-    name: str = options.scenario
-    return str(Path(name).absolute()) if files.is_file(name) else name
-
-
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
-    parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
+    parser.add_argument("--connect", metavar="HOST[:PORT]", help="where it listens, if it is on another host")
+    parser.add_argument("--code", help="for --connect the first time, as `echelon invite` printed it there")
+    parser.add_argument("--insecure", action="store_true", help=f"for --connect tcp/HOST:PORT: {INSECURE}")
 
 
-def session(options: argparse.Namespace) -> ZenohBus:
-    """A session with the run that the options name. Raises EchelonError."""
+def session(options: argparse.Namespace, *, orders: bool = False) -> ZenohBus:
+    """A session with the run that the options name, to give orders or only to listen. Raises EchelonError."""
+    if options.connect is not None and protocol(options.connect) in (*OPEN, LOCAL):
+        run = options.run or "echelon"
+        return ZenohBus(options.connect, run, insecure=options.insecure, patience=CONNECT_SECONDS)
     if options.connect is not None:
-        return ZenohBus(options.connect, options.run or "echelon", patience=CONNECT_SECONDS)
-    run = find(options.run)
-    return ZenohBus(run.endpoint, run.name, patience=CONNECT_SECONDS)
+        from runtime.hosts.distant import connect  # noqa: PLC0415  cryptography costs other commands 0.1 s
+
+        return connect(options.connect.removeprefix("tls/"), options.code, orders=orders, patience=CONNECT_SECONDS)
+    found = find(options.run)
+    return ZenohBus(found.endpoint, found.name, patience=CONNECT_SECONDS)
 
 
 def tell(line: str) -> None:

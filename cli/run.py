@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
+from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
+from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from formation.errors import EchelonError
-from formation.scenario.overrides import Overrides
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
 from runtime.precompile import ensure_compiled
@@ -28,6 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
     add_record(parser)
+    add_hosting(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -35,18 +36,21 @@ def run(options: argparse.Namespace) -> int:
     """Simulate and print the measures."""
     if options.duration is not None:
         options.settings.append(f"duration={options.duration}")
-    scenario, overrides = load(options)
+    scenario, _ = load(options)
     if not 0.0 <= options.warmup < scenario.duration:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
+    if options.listen is not None and options.engine == "inprocess":
+        raise EchelonError("--listen: expected --engine processes; other hosts run processes")
+    hosts = hosting(options)
     warn(scenario)
     record = record_file(options, scenario.name)
     with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, overrides, record, report)
+            summary = _processes(scenario, options, hosts, record, report)
     if record is not None:
         tell(f"recorded in {record}")
     if options.json:
@@ -70,21 +74,21 @@ def _inprocess(
 def _processes(
     scenario: Scenario,
     options: argparse.Namespace,
-    overrides: Overrides,
+    hosts: Hosting,
     record: Path | None,
     report: Callable[[float], None],
 ) -> dict[str, Any]:
     with LiveRun(
         f"run-{os.getpid()}",
         scenario,
-        source(options),
-        overrides,
         tell=tell,
         speed=1.0 if options.realtime else 0.0,
         realtime=options.realtime,
         record=None if record is None else str(record),
         detail=options.detail,
+        **hosts,
     ) as live:
+        tell_how_to_join(live, hosts)
         while live.watch():
             state = live.state
             if state is None:

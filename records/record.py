@@ -38,6 +38,8 @@ class RecordedEpisode:
     """JSON."""
     user_code: str = "[]"
     """JSON: the code of a user's own that it ran with."""
+    resumed: tuple[int, ...] = ()
+    """Ticks from which on its world went on from a saved state: at the last of them this segment begins."""
     orders: list[RecordedOrder] = field(default_factory=list)
     checks: dict[int, tuple[int, ...]] = field(default_factory=dict)
     """By tick, the CRC-32 of each robot's pose."""
@@ -116,8 +118,9 @@ def load(path: Path) -> Record:
 def _episode(path: Path, values: dict[str, str]) -> RecordedEpisode:
     try:
         number, begins = int(values["number"]), int(values["begins"])
+        resumed = tuple(map(int, json.loads(values.get("resumed", "[]"))))
         return RecordedEpisode(
-            number, values["mode"], values["controller"], begins, values["scenario"], values["user_code"]
+            number, values["mode"], values["controller"], begins, values["scenario"], values["user_code"], resumed
         )
     except (KeyError, ValueError) as error:
         raise EchelonError(f"expected metadata of an episode in {path}; got {error}") from None

@@ -45,7 +45,8 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, 
         run=RUN,
         scenario=scenario,
         connect=f"tcp/router:{ROUTER_PORT}",
-        listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
+        listen=(f"tcp/0.0.0.0:{ROUTER_PORT}",),
+        insecure=True,  # nobody but the services reaches their network
         overrides=overrides,
         endless=True,
         ghost=True,
@@ -78,7 +79,17 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
 
 def _service(program: Program, mounts: Mapping[str, str]) -> str:
     name = f"agent-{program.number}" if program.role == "agent" else program.role
-    check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
+    check = [
+        "CMD",
+        "python",
+        "-m",
+        "network.health",
+        "--run",
+        RUN,
+        "--connect",
+        f"tcp/router:{ROUTER_PORT}",
+        "--insecure",
+    ]
     check += ["--role", program.role, "--id", str(program.number)]
     lines = [
         f"  {name}:",

@@ -37,6 +37,11 @@ class Recording:
         self._journal = Journal(simulation.world, wanted=True)
         self._take()
 
+    def go_on(self) -> None:
+        """The simulation has begun a segment."""
+        self._journal.go_on()
+        self._journal.wanted = True
+
     def step(self) -> None:
         """Simulate one tick."""
         simulation, recorder = self._simulation, self._recorder

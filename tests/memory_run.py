@@ -19,6 +19,8 @@ from network.requests import Reply
 from network.throttled_log import ThrottledLog
 from world import process as world_process
 from world.node import WorldNode
+from world.parts import Parts
+from world.resume.snapshot import dump, load
 from world.world import World
 
 WAY = 0.001
@@ -65,10 +67,10 @@ class _Process:
 
 
 class WorldProcess(_Process):
-    def __init__(self, bus: MemoryBus, world: World) -> None:
+    def __init__(self, bus: MemoryBus, parts: Parts) -> None:
         super().__init__(bus)
-        world_process.join(bus, world.mode)
-        self.node = WorldNode(bus.run, world, speed=0.0, start=True)
+        world_process.join(bus, parts.world.mode)
+        self.node = WorldNode(bus.run, parts)
 
     def turn(self, now: float) -> None:
         perform(self.bus, self.node.feed(self.bus.arrivals(), now), self.log)
@@ -82,8 +84,8 @@ class AgentProcess(_Process):
         agent_process.join(bus, robot)
         self.node = AgentNode(bus.run, robot)
 
-        self.steps: dict[int, bool] = {}
-        """Ticks that it has answered, and whether it then had the upstream neighbour's plan of the tick before."""
+        self.steps: dict[tuple[int, int], bool] = {}
+        """Episodes and ticks that it has answered, and whether it had the upstream plan of the tick before."""
 
     def turn(self, now: float) -> None:
         actions = self.node.feed(self.bus.arrivals(), now)
@@ -91,7 +93,7 @@ class AgentProcess(_Process):
             if isinstance(action, Publish) and isinstance(action.message, Command):
                 k, agent = action.message.seq, self.node._agent
                 assert agent is not None
-                self.steps.setdefault(k, agent.heard == k - 1)
+                self.steps.setdefault((action.message.episode, k), agent.heard == k - 1)
         perform(self.bus, actions, self.log)
         self.wake_at = now + self.node.patience
 
@@ -104,8 +106,7 @@ class MemoryRun:
         self.world = World(scenario, episode=12345)
         self.counted: list[set[int]] = []
         """Per tick of the episode: the robots whose commands counted."""
-        self._record(self.world)
-        self._world_process = WorldProcess(self.hub.join(RUN, "world"), self.world)
+        self._start_world(Parts.of(self.world, speed=0.0, start=True))
         self.agents: dict[int, AgentProcess] = {}
         for robot in self.world.robots:
             self.start_agent(robot)
@@ -117,8 +118,7 @@ class MemoryRun:
         advance = world.advance
 
         def recorded(commands: Mapping[int, Command]) -> None:
-            if world.k == 0:
-                self.counted.clear()
+            del self.counted[world.k :]
             self.counted.append(set(commands))
             advance(commands)
 
@@ -129,6 +129,33 @@ class MemoryRun:
     @property
     def node(self) -> WorldNode:
         return self._world_process.node
+
+    def save_world(self) -> None:
+        """Keep the state that another world may go on from."""
+        del self.world.advance  # the recorder of this test's
+        self._saved = dump(self.node.parts)
+        self._record(self.world)
+
+    def replace_world(self, absence: float) -> None:
+        """The world is killed, and another goes on from the state that was saved last, after so long [s]."""
+        self._world_process.bus.close()
+        self._world_process.alive = False
+
+        def start() -> None:
+            parts = load(self._saved).parts
+            assert self.world.trace is not None
+            assert parts.world.trace is not None
+            parts.world.trace.refill(self.world.trace.rows(0).ravel(), parts.world.k)
+            parts.go_on()
+            self._start_world(parts)
+
+        self.at(absence, start)
+
+    def _start_world(self, parts: Parts) -> None:
+        self.world = parts.world
+        self._saved = dump(parts)
+        self._record(self.world)
+        self._world_process = WorldProcess(self.hub.join(RUN, "world"), parts)
 
     def start_agent(self, robot: int) -> None:
         self.agents[robot] = AgentProcess(self.hub.join(RUN, f"agent {robot}"), robot)
@@ -217,7 +244,8 @@ class MemoryRun:
 
     @property
     def _processes(self) -> list[WorldProcess | AgentProcess]:
-        return [self._world_process, *(agent for agent in self.agents.values() if agent.alive)]
+        every: list[WorldProcess | AgentProcess] = [self._world_process, *self.agents.values()]
+        return [process for process in every if process.alive]
 
     def _turns(self) -> bool:
         turned = False

@@ -4,26 +4,29 @@ import argparse
 import logging
 import secrets
 import sys
+from pathlib import Path
 
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.overrides import from_json
 from formation.scenario.registry import check_live, register_unloaded
 from formation.scenario.user_code import from_text
+from network.arguments import add_connection, connect
 from network.lifetime import TERMINATED, Lifetime
 from network.values import Mode
-from network.zenoh_bus import ZenohBus
 from world.bodies.own import load_bodies
+from world.parts import Parts
 from world.process import run
 from world.real_robots import MixedWorld, RealRobots
+from world.resume.saver import Saver, saved
+from world.resume.snapshot import SnapshotError
 from world.world import World
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Step the world until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m world", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--scenario", required=True, help="name or TOML file")
     parser.add_argument("--overrides", default="{}", metavar="JSON", help="what differs from the scenario's file")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, not in lockstep")
@@ -31,6 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--endless", action="store_true", help="continue closed paths past the scenario's duration")
     parser.add_argument("--paused", action="store_true", help="wait for a start command")
     parser.add_argument("--bodies", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
+    parser.add_argument("--folder", metavar="FOLDER", help="where the run is saved, and goes on from")
     parser.add_argument(
         "--controllers", default="[]", metavar="JSON", help="what is known of controllers of users' own"
     )
@@ -41,23 +45,38 @@ def main(arguments: list[str] | None = None) -> int:
         for spec in options.bodies:
             load_bodies(spec)
         register_unloaded(from_text(options.controllers))
-        scenario = load(options.scenario, from_json(options.overrides))
-        check_live(scenario.controller.name)
-        with ZenohBus(options.connect, options.run) as bus:
-            lifetime = Lifetime(bus.wake)
-            # A world that was started again must not be mistaken for the one before.
-            episode = secrets.randbits(48)
-            mode: Mode = "realtime" if options.realtime else "lockstep"
-            robots = RealRobots(options.run, options.real) if options.real else None
-            if robots is None:
-                world = World(scenario, episode=episode, endless=options.endless, mode=mode)
-            else:
-                world = MixedWorld(scenario, robots, episode=episode, endless=options.endless)
-            stopped = run(bus, world, lifetime, speed=options.speed, start=not options.paused, robots=robots)
+        folder = Path(options.folder) if options.folder else None
+        parts = (_saved(folder) if folder else None) or _begun(options)
+        with connect(options, "world") as bus:
+            robots = parts.world.real if isinstance(parts.world, MixedWorld) else None
+            stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None, robots)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2
     return 0 if stopped else TERMINATED
+
+
+def _saved(folder: Path) -> Parts | None:
+    """The run that another process has saved, if there is one that can be read."""
+    try:
+        return saved(folder)
+    except SnapshotError as error:
+        print(f"world: cannot go on, the run begins anew: {error}", file=sys.stderr)
+        return None
+
+
+def _begun(options: argparse.Namespace) -> Parts:
+    """A run that begins. Raises ScenarioError."""
+    scenario = load(options.scenario, from_json(options.overrides))
+    check_live(scenario.controller.name)
+    mode: Mode = "realtime" if options.realtime else "lockstep"
+    episode = secrets.randbits(48)  # a world that was started again must not be mistaken for the one before
+    if options.real:
+        robots = RealRobots(options.run, options.real)
+        world: World = MixedWorld(scenario, robots, episode=episode, endless=options.endless)
+    else:
+        world = World(scenario, episode=episode, endless=options.endless, mode=mode)
+    return Parts.of(world, speed=options.speed, start=not options.paused)
 
 
 if __name__ == "__main__":

@@ -12,17 +12,13 @@ from formation.errors import WireError
 from network import topics
 from network.bus import Action, Connection, Incoming, Presence, Publish, Query, Reject, Sample
 from network.messages import Command, Status, Tick
-from world.journal import Journal
-from world.presence import AgentPresence
-from world.rate import Rate, RunningTime
+from world.display import STATE_INTERVAL
+from world.parts import Parts
+from world.rate import RunningTime
 from world.requests import Requests
-from world.run_control import RunControl
 from world.samples import message_of
 from world.states import OUT, TABLE, Event, Phase
-from world.world import World
 
-STATE_INTERVAL = topics.STATE.interval
-"""Between two states for displays [s]."""
 IDLE_SECONDS = 0.02
 """Between two looks while simulated time stands still [s]."""
 RESEND_SECONDS = 0.1
@@ -36,22 +32,18 @@ LAST_STATUS_SECONDS = 2.0
 class WorldNode:
     """Simulates a World with the agents that take part. Its table is world/states.py."""
 
-    def __init__(self, run: str, world: World, *, speed: float, start: bool) -> None:
+    def __init__(self, run: str, parts: Parts) -> None:
         """A node that holds; world/process.py subscribes for it.
 
         Args:
             run: name of the run.
-            world: what is simulated.
-            speed: simulated seconds per second; 0 means as fast as possible.
-            start: begin as soon as every agent is there.
+            parts: of the run, as it begins or goes on.
         """
         self.phase = Phase.HOLD
-        self._run, self._world = run, world
-        self._rate = Rate(speed)
-        self._presence = AgentPresence(world)
-        self._control = RunControl(world, self._rate, self._presence, go=start)
-        self._requests = Requests(world, self._control)
-        self._journal = Journal(world)
+        self.parts = parts
+        self._run = run
+        self._world, self._rate, self._presence, self._control, self._journal, self._display = parts
+        self._requests = Requests(self._world, self._control)
         self._commands: dict[int, Command] = {}
         self._tick: Tick | None = None
         """The newest that went out."""
@@ -62,7 +54,6 @@ class WorldNode:
         self._sent_at = self._asked_at = 0.0
         """When the tick was sent last, and when the agents' patience began [s of running time]."""
         self._time = RunningTime()
-        self._states, self._state_at = 0, 0.0
         self._actions: list[Action] = []
 
     @property
@@ -101,7 +92,7 @@ class WorldNode:
         self._note_changes()
         while True:
             if self._requests:
-                self._obey(now)
+                self._obey()
             if not self._advance(now):
                 break
         self._publish_state(now)
@@ -111,7 +102,7 @@ class WorldNode:
 
     def close(self, now: float) -> list[Action]:
         """What is to be done at the end: the last state."""
-        self._state_at = now
+        self._display.hurry()
         self._publish_state(now)
         if stretch := self._journal.take(all_of_it=True):
             self._actions.append(Publish(topics.stretch(self._run), stretch))
@@ -270,30 +261,17 @@ class WorldNode:
 
     # ------------------------------------------------------------------ what users ask and see
 
-    def _obey(self, now: float) -> None:
+    def _obey(self) -> None:
         while self.phase is not Phase.LAST and self._requests.carry_out_one(
             self._running, tick_is_out=self.phase in OUT
         ):
-            self._state_at = now  # shown at once
+            self._display.hurry()
             if self._tick is not None and self._tick.episode != self._world.episode and self.phase is not Phase.HOLD:
                 self.phase = TABLE[self.phase, Event.ABANDONED]
 
     def _publish_state(self, now: float) -> None:
-        if now < self._state_at or self.phase is Phase.LAST:
+        if self.phase is Phase.LAST or not self._display.due(now):
             return
-        self._state_at = now + STATE_INTERVAL
-        self._states += 1
         late = self.phase is Phase.ASK and self._running - self._asked_at > SHOWN_SECONDS
         waited = self._awaited - self._commands.keys() if late else set()
-        state = self._world.state(
-            seq=self._states,
-            status=self._control.status,
-            speed=self._rate.speed,
-            pace=self._rate.measured(self._world.now, now),
-            overruns=self._rate.overruns,
-            rejected=self._control.rejected,
-            waiting_for=sorted({*self._presence.missing, *waited}),
-            dismissed=self._presence.dismissed,
-            compare=self._control.compare,
-        )
-        self._actions.append(Publish(topics.state(self._run), state))
+        self._actions.append(Publish(topics.state(self._run), self._display.state(now, waited)))

@@ -132,6 +132,14 @@ class AgentPresence:
 
     # ------------------------------------------------------------------ what happens
 
+    def go_on(self) -> None:
+        """Another process has known these agents: they are live, and their tokens are waited for."""
+        self._world.live -= self._dismissed
+        self._agents = dict.fromkeys(self._world.live, Agent.MISSING)
+        self._suspects = dict.fromkeys(self._world.live, 0.0)
+        self._doubt = 0.0, RETURN_SECONDS
+        self._connected, self.launcher = True, False
+
     def appear(self, robot: int) -> None:
         """An agent's token has appeared."""
         self._change(robot, Change.APPEARS)

@@ -8,8 +8,9 @@ from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 from network.values import Mode
 from world.node import WorldNode
+from world.parts import Parts
 from world.real_robots import RealRobots, between
-from world.world import World
+from world.resume.saver import Saver
 
 
 def join(bus: Bus, mode: Mode) -> None:
@@ -20,34 +21,37 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.subscribe(topics.command(bus.run, "*"))
     bus.subscribe(topics.status(bus.run, "*"))
     bus.serve(topics.control(bus.run))
+    bus.serve(topics.question(bus.run))
     bus.watch()
     bus.appear("world")
 
 
 def run(
-    bus: Bus, world: World, lifetime: Lifetime, *, speed: float, start: bool, robots: RealRobots | None = None
+    bus: Bus, parts: Parts, lifetime: Lifetime, saver: Saver | None = None, robots: RealRobots | None = None
 ) -> bool:
     """Simulate a world until the lifetime is over, or a user stops it.
 
     Args:
         bus: of this process.
-        world: what is simulated.
+        parts: of the run, as it begins or goes on.
         lifetime: when to end.
-        speed: simulated seconds per second; 0 means as fast as possible.
-        start: begin as soon as every agent is there.
+        saver: keeps what another process would go on from; None: the run ends with this process.
         robots: those that are real, if there are any.
 
     Returns:
         Whether a user stopped it.
     """
-    join(bus, world.mode)
-    node, log = WorldNode(bus.run, world, speed=speed, start=start), ThrottledLog()
-    feed = node.feed if robots is None else between(robots, world, node.feed)
+    join(bus, parts.world.mode)
+    node, log = WorldNode(bus.run, parts), ThrottledLog()
+    feed = node.feed if robots is None else between(robots, parts.world, node.feed)
     for key in robots.poses_from if robots else ():
         bus.subscribe(key)
     for key in robots.inputs_to if robots else ():
         bus.announce(key)
     while not (lifetime.over or node.over):
-        perform(bus, feed(bus.arrivals(node.patience(monotonic())), monotonic()), log)
+        actions = feed(bus.arrivals(node.patience(monotonic())), monotonic())
+        if saver is not None:
+            saver.look(parts)
+        perform(bus, actions, log)
     perform(bus, node.close(monotonic()), log)
     return node.over

@@ -59,7 +59,17 @@ class RealRobots:
             raise ScenarioError(
                 f"bodies.implementation: expected wheeled beside real robots; got {scenario.bodies.implementation}"
             )
-        return MixedBodies(found, real, self._poses.get, scenario.nominal.age)
+        return MixedBodies(found, real, self, scenario.nominal.age)
+
+    def __call__(self, robot: int) -> RealPose | None:
+        """The newest that is known of a robot."""
+        return self._poses.get(robot)
+
+    def go_on(self) -> None:
+        """Another process has heard of them: who is there shows within FIRST_SECONDS."""
+        self._seen_at.clear()
+        self._asked.clear()
+        self._began = None
 
     @property
     def poses_from(self) -> list[str]:
@@ -145,8 +155,17 @@ class MixedWorld(World):
 
     def __init__(self, scenario: Scenario, robots: RealRobots, *, episode: int, endless: bool) -> None:
         """At the start of an episode, in real time. Raises ScenarioError as `RealRobots.bodies`."""
-        self.bodies_for = robots.bodies
+        self.real = robots
         super().__init__(scenario, episode=episode, endless=endless, mode="realtime")
+
+    def bodies_for(self, scenario: Scenario) -> Bodies:
+        """Simulated and real ones."""
+        return self.real.bodies(scenario)
+
+    def go_on(self) -> None:
+        """A segment, in which the real robots are where they are now."""
+        super().go_on()
+        self.real.go_on()
 
 
 Feed = Callable[[Iterable[Incoming], float], list[Action]]

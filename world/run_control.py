@@ -1,6 +1,7 @@
 """The operations that users request of a run: state of the run, and their execution."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 from formation.errors import EchelonError, ScenarioError, unknown
@@ -11,14 +12,28 @@ from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
 from network.values import RunStatus
 from world.driver import Driver
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
 
-BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step, control.Drive, control.GoTo)
+BETWEEN_TICKS = (
+    control.SetFault,
+    control.SetPreset,
+    control.Clear,
+    control.Step,
+    control.Drive,
+    control.GoTo,
+    Push,
+    Move,
+    Release,
+    Reshape,
+)
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
+READS = (control.GetOrders, control.GetTrace, control.GetSummary)
+"""Operations that change nothing."""
 
 
 class RunControl:
@@ -32,6 +47,8 @@ class RunControl:
         """Whether a user has asked the run to end."""
         self.compare = ""
         """Controller of the requested ghost; empty for none."""
+        self.changes = 0
+        """Operations that may have changed something, so far."""
         self.rejected = 0
         """For the summary: payloads that were not valid messages."""
 
@@ -67,6 +84,7 @@ class RunControl:
             EchelonError: it cannot be done; the text gives the reason.
         """
         world = self._world
+        self.changes += not isinstance(operation, READS)
         match operation:
             case control.Start():
                 if world.finished:
@@ -89,7 +107,7 @@ class RunControl:
             case control.UseScenario():
                 self._use(_scenario(operation))
             case control.UseController(controller=name):
-                self._use(with_controller(world.scenario, name))
+                self._use(with_controller(world.given, name))
             case control.Kill(robot=robot):
                 self._presence.dismiss(robot, for_good=True)
                 world.event("run", f"agent {robot} is killed and kept down", "warning")
@@ -107,8 +125,10 @@ class RunControl:
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
                 return self._drive(lambda driver: driver.go_to(world.k, x, y))
-            case control.GetOrders(tables=tables, drives=drives):
-                return self._orders_since(tables, drives)
+            case Push() | Move() | Release() | Reshape():
+                world.intervene(operation)
+            case control.GetOrders(tables=tables, drives=drives, interventions=interventions):
+                return self._orders_since(tables, drives, interventions)
             case control.Stop():
                 self.stop = True
             case control.GetTrace(first=first):
@@ -143,15 +163,18 @@ class RunControl:
         packed = {name: values.astype("<f8").tobytes() for name, values in arrays.items()}
         return {"ticks": len(trace.inputs), "last": last, **packed}
 
-    def _orders_since(self, tables: int, drives: int) -> dict[str, Any]:
+    def _orders_since(self, tables: int, drives: int, interventions: int) -> dict[str, Any]:
         world = self._world
         driver = world.driver
         return {
             "episode": world.episode,
             "changes": world.faults.changes,
             "drive_changes": driver.count if driver else 0,
+            "resumed": world.resumed,
             "tables": world.faults.since(tables),
             "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
+            "intervention_changes": world.interventions.count,
+            "interventions": [asdict(done) for done in world.interventions.since(interventions)],
         }
 
     def _reset(self) -> None:

@@ -49,5 +49,7 @@ Operations are carried out in every phase but LAST. Those that change what a tic
 (run_control.BETWEEN_TICKS) wait until none is out, or are refused when that takes long.
 """
 
+SKIPPED = 1 << 20
+"""Numbers that a world skips when it goes on from a saved state: the process before may have used them since."""
 OUT = {Phase.ASK, Phase.CALL, Phase.DRIVE}
 """A tick is out."""

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from setproctitle import setproctitle
 
-from cli.options import add_record, add_scenario, load, record_file, source, tell, warn
+from cli.hosting import add_hosting, hosting, tell_how_to_join
+from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -39,6 +40,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
     parser.add_argument("--paused", action="store_true", help="wait for Start")
+    add_hosting(parser)
     parser.add_argument(
         "--robot",
         action="append",
@@ -56,9 +58,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run until Ctrl-C or a stop request."""
-    scenario, overrides = load(options)
+    scenario, _ = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
+    hosts = hosting(options)
     dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
     token = access.given_token(options.token)
     if token is None and options.host not in access.LOOPBACK:
@@ -73,8 +76,6 @@ def run(options: argparse.Namespace) -> int:
     with LiveRun(
         name,
         scenario,
-        source(options),
-        overrides,
         tell=tell,
         dashboard=dashboard,
         token=token,
@@ -88,8 +89,10 @@ def run(options: argparse.Namespace) -> int:
         record=None if record is None else str(record),
         detail=options.detail,
         scenarios=str(Path.cwd()),
+        **hosts,
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        tell_how_to_join(live, hosts)
         if record is not None:
             tell(f"recording in {record}")
         shown = 0

@@ -198,24 +198,58 @@ def test_an_agent_that_is_replaced_joins_cold_at_a_named_tick(
     assert run.finish() == in_one_process(run)
 
 
+@settings(law, max_examples=EXAMPLES // 4)
+@given(
+    weathers,
+    st.lists(st.tuples(moments, moments, st.floats(0.0, 2.0)), min_size=1, max_size=3),
+    st.lists(st.tuples(moments, st.sampled_from(ROBOTS), st.floats(0.3, 2.0)), max_size=1),
+)
+def test_a_world_that_is_replaced_goes_on_from_what_was_saved(
+    weather: Weather, deaths: list[tuple[float, float, float]], restarts: list[tuple[float, int, float]]
+) -> None:
+    """The run is that of one process in which every agent begins anew at the tick of each saved state."""
+    run = MemoryRun(scenario(), weather)
+    for moment, robot, absence in restarts:
+        run.run(moment, lambda: run.finished)
+        run.kill_agent(robot)
+        run.at(absence, partial(run.start_agent, robot))
+    for until_saved, until_killed, absence in deaths:
+        run.run(until_saved, lambda: run.finished)
+        run.save_world()
+        saved, episode = run.world.k, run.world.episode
+        run.run(until_killed, lambda: run.finished)
+        run.replace_world(absence)
+        run.run(absence + 0.01)
+        assert run.world.episode == episode + 1
+        assert run.world.resumed[-1] == saved
+    hashed = run.finish()
+    assert len(run.world.resumed) == len(deaths)
+    assert hashed == in_one_process(run)
+
+
 def in_one_process(run: MemoryRun) -> str:
     """The hash that world and agents compute when they are called in turn, with who took part as in this run."""
-    world = World(run.world.scenario)
+    world = World(run.world.scenario, episode=run.world.episode - len(run.world.resumed))
     lives = [(process.robot, process.steps) for process in [*run.dead, *run.agents.values()]]
     agents: dict[int, Agent] = {}
     plans: dict[int, Plan] = {}
     while not world.finished:
+        for _ in range(run.world.resumed.count(world.k) - world.resumed.count(world.k)):
+            world.go_on()
+            agents.clear()
+            plans.clear()
         tick, counted, answers = world.tick(), run.counted[world.k], {}
         for life, (robot, steps) in enumerate(lives):
-            if tick.seq not in steps:
+            step = steps.get((tick.episode, tick.seq))
+            if step is None:
                 continue
-            agent = agents.setdefault(life, Agent(world.scenario, robot))
+            agent = agents.setdefault(life, Agent(world.scenario, robot, episode=world.episode))
             agent.set_faults(world.faults.table)
             plan = plans.get(agent.upstream)
-            if steps[tick.seq] and plan is not None:
+            if step and plan is not None:
                 agent.receive(plan)
             elif plan is not None:
-                assert not steps[tick.seq]
+                assert not step
                 assert agent.upstream not in counted, "only a plan whose sender is gone is done without"
             answers[robot] = agent.step(tick)
         plans = {robot: plan for robot in counted if (plan := answers[robot].plan) is not None}

@@ -12,8 +12,10 @@ from formation.errors import EchelonError
 from records.file import RecordFile
 from records.record import Record, load
 from records.scanning import Note, scan
+from runtime.inprocess import Simulation
+from runtime.recording import Recording
 from runtime.verification import verify
-from tests.records.recorded import record, scenario
+from tests.records.recorded import STARTED, record, scenario
 
 FOREIGN = {**json.loads(scenario().model_dump_json(exclude_unset=True)), "controller": {"name": "mine"}}
 """With a controller that this installation does not have."""
@@ -51,6 +53,27 @@ def test_so_is_one_of_any_scenario(tmp_path: Path, name: str, settings: list[str
     (verdict,) = verify(load(tmp_path / "run.mcap"))
     assert not verdict.difference
     assert verdict.ticks > 200
+
+
+def test_a_record_of_a_run_that_outlived_its_world_is_verified_segment_by_segment(tmp_path: Path) -> None:
+    simulation = Simulation(scenario("noise={slip=0.2, position=0.001}"))
+    with RecordFile(tmp_path / "run.mcap") as file:
+        recording = Recording(simulation, file, STARTED, "default")
+        saved = []
+        while not simulation.finished:
+            recording.step()
+            if simulation.world.k in (90, 160):
+                simulation.go_on()
+                recording.go_on()
+                saved.append(simulation.world.k)
+    read = load(tmp_path / "run.mcap")
+    assert [list(episode.resumed) for episode in read.episodes] == [[], saved[:1], saved]
+    assert [episode.ticks[0] for episode in read.episodes] == [0, *saved]
+    verdicts = verify(read)
+    assert not any(verdict.difference for verdict in verdicts)
+    assert all(v.until > end - 0.05 for v, end in zip(verdicts, (0.9, 1.6, 2.5), strict=True))  # a last part is lost
+    read.episodes[1].resumed = ()
+    assert "tick 9" in verify(read)[1].difference  # the cold agents do not do what the others would have done
 
 
 def test_one_bit_of_one_pose_is_named(read: Record) -> None:

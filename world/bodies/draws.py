@@ -5,7 +5,7 @@ depend on seed, stream, robot and block only: not on how many robots there are, 
 was asked for before.
 """
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,6 +32,10 @@ class Draws:
         self._uniform = uniform
         self._block = -1
         self._rows: FloatArray = np.empty(0)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the block that is drawn: it can be drawn again."""
+        return {**self.__dict__, "_block": -1, "_rows": np.empty(0)}
 
     def at(self, tick: int) -> FloatArray:
         """(robots, width) of this tick."""

@@ -34,13 +34,7 @@ class MujocoGround:
         Raises:
             ScenarioError: MuJoCo is not installed.
         """
-        try:
-            self._mujoco: Any = importlib.import_module("mujoco")  # here, for no other bodies need it
-        except ImportError:
-            raise ScenarioError(
-                "bodies.implementation: expected MuJoCo for 'mujoco' (pip install 'mujoco==4.0.0'; it is in no "
-                "container); got none. 'wheeled' needs nothing"
-            ) from None
+        self._mujoco = _imported()
         self._radii = scenario.bodies.radii(scenario.size)
         self._steps = math.ceil(scenario.control_interval / STEP - 1e-9)
         starts, speeds = scenario.start_poses().tolist(), scenario.reference().block(0).inputs[0].tolist()
@@ -53,6 +47,15 @@ class MujocoGround:
             wheels = self._wheels(i, v, omega)
             self._data.qvel[8 * i : 8 * i + 8] = v * math.cos(theta), v * math.sin(theta), 0.0, 0.0, 0.0, omega, *wheels
         self._mujoco.mj_forward(self._model, self._data)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Model and data can be pickled, the module cannot."""
+        return {**self.__dict__, "_mujoco": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """As it was; MuJoCo is imported again."""
+        self.__dict__.update(state)
+        self._mujoco = _imported()
 
     def roll(self, speeds: list[tuple[float, float]], carried: FloatArray | None, dt: float) -> FloatArray:
         """Poses (n, 3) a tick later.
@@ -86,6 +89,17 @@ class MujocoGround:
         """Put a robot there upright; speeds and height stay."""
         self._data.qpos[9 * i : 9 * i + 2] = x, y
         self._data.qpos[9 * i + 3 : 9 * i + 7] = math.cos(theta / 2.0), 0.0, 0.0, math.sin(theta / 2.0)
+
+
+def _imported() -> Any:
+    """MuJoCo, for no other bodies need it. Raises ScenarioError: it is not installed."""
+    try:
+        return importlib.import_module("mujoco")
+    except ImportError:
+        raise ScenarioError(
+            "bodies.implementation: expected MuJoCo for 'mujoco' (pip install 'mujoco==4.0.0'; it is in no "
+            "container); got none. 'wheeled' needs nothing"
+        ) from None
 
 
 def _world(radii: list[float], step: float) -> str:

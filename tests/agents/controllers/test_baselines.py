@@ -420,7 +420,7 @@ def test_every_controller_can_run_live_or_is_refused_by_name() -> None:
 
 def test_processes_and_containers_refuse_what_only_one_process_can_do() -> None:
     with pytest.raises(ScenarioError) as mistake:
-        LiveRun("none", scenario("centralised"), "circle", [], tell=print)
+        LiveRun("none", scenario("centralised"), tell=print)
     refused(mistake)
     with pytest.raises(ScenarioError) as mistake:
         compose_file("circle", scenario("centralised"))

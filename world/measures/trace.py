@@ -14,21 +14,17 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
-from world.contacts import Excursions
-from world.convergence import Convergence
+from world.measures.contacts import Excursions
+from world.measures.convergence import Convergence
 
 
 class Trace:
     """Poses, ages and solve times of one episode of known length."""
 
     def __init__(self, scenario: Scenario, ticks: int, reference: Reference | DrivenReference) -> None:
-        self._scenario, self._reference = scenario, reference
-        n = scenario.size
-        self._poses = np.zeros((ticks + 1, n, 3))
-        self._inputs = np.zeros((ticks, n, 2))
-        self._ages = np.full((ticks, n), np.nan)
-        self._solves = np.full((ticks, n), np.nan)
-        self._done = 0
+        self._scenario, self.reference = scenario, reference
+        self._ticks, self._done = ticks, 0
+        self._make(scenario.size)
 
     @property
     def full(self) -> bool:
@@ -49,6 +45,37 @@ class Trace:
         self._poses[k + 1] = poses
         self._inputs[k] = inputs
         self._done = k + 1
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the rows: these only grow, and `rows` has them."""
+        return {**self.__dict__, **dict.fromkeys(("_poses", "_inputs", "_ages", "_solves"))}
+
+    def rows(self, first: int) -> FloatArray:
+        """Rows (T, 7 n) from number `first` on: poses, then inputs, ages and solve times of the tick that led there."""
+        k, n = self._done, self._scenario.size
+        rows = np.full((k + 1 - first, 7 * n), np.nan)
+        rows[:, : 3 * n] = self._poses[first : k + 1].reshape(-1, 3 * n)
+        led, since = rows[max(1 - first, 0) :], max(first - 1, 0)
+        led[:, 3 * n : 5 * n] = self._inputs[since:k].reshape(-1, 2 * n)
+        led[:, 5 * n : 6 * n], led[:, 6 * n :] = self._ages[since:k], self._solves[since:k]
+        return rows
+
+    def refill(self, rows: FloatArray, k: int) -> None:
+        """Take the rows 0 to k of another process's trace of the episode, flat. Raises ValueError if they are fewer."""
+        n = self._scenario.size
+        rows = rows[: (k + 1) * 7 * n].reshape(k + 1, 7 * n)
+        self._make(n)
+        self._poses[: k + 1] = rows[:, : 3 * n].reshape(-1, n, 3)
+        self._inputs[:k] = rows[1:, 3 * n : 5 * n].reshape(-1, n, 2)
+        self._ages[:k], self._solves[:k] = rows[1:, 5 * n : 6 * n], rows[1:, 6 * n :]
+        self._done = k
+
+    def _make(self, n: int) -> None:
+        ticks = self._ticks
+        self._poses = np.zeros((ticks + 1, n, 3))
+        self._inputs = np.zeros((ticks, n, 2))
+        self._ages = np.full((ticks, n), np.nan)
+        self._solves = np.full((ticks, n), np.nan)
 
     @property
     def times(self) -> FloatArray:
@@ -76,7 +103,7 @@ class Trace:
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        reference = self._reference
+        reference = self.reference
         distance, angle = pattern_errors(poses, reference.positions(t))
         return distance, angle, tracking_error(poses, reference.centre(t))
 
@@ -121,7 +148,7 @@ class Trace:
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
-            "reference_lag_s": self._reference.lag(done * scenario.control_interval),
+            "reference_lag_s": self.reference.lag(done * scenario.control_interval),
             "links": {
                 str(link): {
                     "sent": c.sent,

@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -23,6 +24,10 @@ from runtime.user_code import named
 DEFAULT_SCENARIO = "triangle-circle"
 CONNECT_SECONDS = 2.0
 """Longest wait for the router of a run [s]: it is there, or about to come back after it was killed."""
+
+
+CONNECT, RUN = "ECHELON_CONNECT", "ECHELON_RUN"
+"""Environment variables for the router and the name of the run that commands are for, as in the containers of one."""
 
 
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
@@ -150,13 +155,16 @@ def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
-    parser.add_argument("--connect", metavar="ENDPOINT", help="its router, if it is not on this machine")
+    parser.add_argument(
+        "--connect", metavar="ENDPOINT", help=f"its router, if it is not on this machine (default: ${CONNECT})"
+    )
 
 
 def session(options: argparse.Namespace) -> ZenohBus:
     """A session with the run that the options name. Raises EchelonError."""
-    if options.connect is not None:
-        return ZenohBus(options.connect, options.run or "echelon", patience=CONNECT_SECONDS)
+    endpoint = options.connect or (None if options.run else os.environ.get(CONNECT))
+    if endpoint:
+        return ZenohBus(endpoint, options.run or os.environ.get(RUN) or "echelon", patience=CONNECT_SECONDS)
     run = find(options.run)
     return ZenohBus(run.endpoint, run.name, patience=CONNECT_SECONDS)
 

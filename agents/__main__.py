@@ -7,15 +7,14 @@ import sys
 from agents.controllers.own import load_controller
 from agents.process import run
 from formation.errors import EchelonError
+from network.arguments import add_connection, connect
 from network.lifetime import Lifetime
-from network.zenoh_bus import ZenohBus
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Answer ticks until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m agents", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--id", required=True, type=int, choices=range(1, 65), metavar="1..64", help="robot's number")
     parser.add_argument("--controller", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
     options = parser.parse_args(arguments)
@@ -23,7 +22,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         for spec in options.controller:
             load_controller(spec)
-        with ZenohBus(options.connect, options.run) as bus:
+        with connect(options, "agent", options.id) as bus:
             run(bus, options.id, Lifetime(bus.wake))
     except EchelonError as error:
         print(f"agent {options.id}: {error}", file=sys.stderr)

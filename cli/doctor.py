@@ -10,9 +10,11 @@ import resource
 import shutil
 import socket
 import sys
+import time
 import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
@@ -23,6 +25,10 @@ ADVISED_NAME = 25
 ADVISED_CORES = 2
 ADVISED_FILES = 256
 """Open files: a run of 64 robots with a page wants so many."""
+ADVISED_TRIP, ADVISED_OFFSET = 0.02, 1.0
+"""Longest round trip, and largest difference of two hosts' clocks [s]."""
+TRIPS, TRIP_SECONDS = 20, 1.0
+"""Round trips that are measured, and how long each is waited for [s]."""
 ADVISED_PYTHON = (3, 11)
 
 
@@ -41,11 +47,16 @@ class Check:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--connect", metavar="HOST[:PORT]", help="measure the way to a run on another host as well")
+    parser.add_argument("--run", help=argparse.SUPPRESS)
+    parser.add_argument("--code", help="for --connect the first time, as `echelon invite` printed it there")
+    parser.add_argument("--insecure", action="store_true", help="for --connect tcp/HOST:PORT, which strangers can use")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print every check; exit code 1 if a run would fail."""
-    checks = [check for group in _GROUPS for check in _guarded(group)]
+    groups: list[Callable[[], Iterator[Check]]] = [*_GROUPS, *([partial(_way, options)] if options.connect else [])]
+    checks = [check for group in groups for check in _guarded(group)]
     ready = all(check.ok for check in checks if check.needed)
     if options.json:
         print(json.dumps({"ready": ready, "checks": [asdict(check) for check in checks]}))
@@ -67,7 +78,8 @@ def _guarded(group: Callable[[], Iterator[Check]]) -> list[Check]:
             found.append(check)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        found.append(Check(group.__name__.strip("_"), reason, False, True, "mend what is missing above first"))
+        name = getattr(group, "__name__", "way to the run").strip("_")
+        found.append(Check(name, reason, False, True, "mend what is missing above first"))
     return found
 
 
@@ -158,6 +170,37 @@ def _solver() -> Iterator[Check]:
     except EchelonError as error:
         text = str(error)
     yield Check("solver", text, good, True, "set ECHELON_CACHE to a folder that can be written")
+
+
+def _way(options: argparse.Namespace) -> Iterator[Check]:
+    """The way to a run on another host, and its clock."""
+    from cli.options import session  # noqa: PLC0415
+    from network import topics  # noqa: PLC0415
+
+    with session(options) as live:
+        stamps = live.stamps(topics.state(live.run))
+        trips = []
+        for _ in range(TRIPS):
+            begun = time.monotonic()
+            if live.setup(timeout=TRIP_SECONDS) is not None:
+                trips.append(time.monotonic() - begun)
+        if not trips:
+            yield Check("round trip", "no answer", False, True, "is its world alive? echelon status there")
+            return
+        trip = min(trips)
+        yield Check("round trip", f"{trip * 1e3:.1f} ms", trip < ADVISED_TRIP, False, "lockstep takes it for each tick")
+        passed, arrived = stamps.get(timeout=TRIP_SECONDS)
+        while not stamps.empty():  # what came fastest says most
+            passed, arrived = max((passed, arrived), stamps.get(), key=lambda stamp: stamp[0] - stamp[1])
+        ahead = passed - arrived + trip / 2.0
+        text = f"{abs(ahead) * 1e3:.1f} ms {'ahead' if ahead > 0.0 else 'behind'}, within {trip * 5e2:.1f} ms"
+        yield Check(
+            "its clock",
+            text,
+            abs(ahead) < ADVISED_OFFSET,
+            False,
+            "no run depends on it, but times of logs differ",
+        )
 
 
 _GROUPS = (_python, _packages, _machine, _runs, _solver, _page)

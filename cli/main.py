@@ -12,6 +12,8 @@ COMMANDS = {
     "up": "start a live run: its processes and the dashboard",
     "run": "simulate a scenario without a page and print its measures",
     "study": "simulate a grid of trials, with statistics and figures",
+    "join": "run agents of a run on another host",
+    "invite": "print a code for somebody on another host",
     "fault": "set and clear faults of a live run's links",
     "paper": "repeat the tests of the paper and write a report",
     "control": "start, pause, step, reset, speed up or stop a live run",
@@ -27,7 +29,7 @@ COMMANDS = {
     "completion": "print a script for the shell's completion",
 }
 """Every command is a module of this room with `arguments(parser)` and `run(options)`."""
-LIVE = {"up", "fault", "control", "status"}
+LIVE = {"up", "join", "invite", "fault", "control", "status"}
 """The modules of cli/live/."""
 
 
@@ -112,7 +114,9 @@ def _starts_processes(words: Sequence[str]) -> bool:
     """Whether the command will start a run's processes, as its bare words tell: a wrong guess costs time only."""
     if not {"-h", "--help"}.isdisjoint(words):
         return False
-    return words[:1] == ["up"] or (words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words))
+    return words[:1] in (["up"], ["join"]) or (
+        words[:1] == ["run"] and {"inprocess", "--engine=inprocess"}.isdisjoint(words)
+    )
 
 
 if __name__ == "__main__":

@@ -16,6 +16,8 @@ from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
+from network.access.keys import LOCAL, OPEN, protocol
+from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
@@ -26,8 +28,8 @@ CONNECT_SECONDS = 2.0
 """Longest wait for the router of a run [s]: it is there, or about to come back after it was killed."""
 
 
-CONNECT, RUN = "ECHELON_CONNECT", "ECHELON_RUN"
-"""Environment variables for the router and the name of the run that commands are for, as in the containers of one."""
+CONNECT, RUN, WITHOUT_KEYS = "ECHELON_CONNECT", "ECHELON_RUN", "ECHELON_INSECURE"
+"""Environment variables for the router and the name of the run that commands are for, and for --insecure."""
 
 
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
@@ -155,18 +157,25 @@ def load(options: argparse.Namespace) -> tuple[Scenario, dict[str, Any]]:
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Which live run to connect to."""
     parser.add_argument("--run", metavar="NAME", help="the run (default: the only live one)")
-    parser.add_argument(
-        "--connect", metavar="ENDPOINT", help=f"its router, if it is not on this machine (default: ${CONNECT})"
-    )
+    parser.add_argument("--connect", metavar="HOST[:PORT]", help="where it listens, if it is on another host")
+    parser.add_argument("--code", help="for --connect the first time, as `echelon invite` printed it there")
+    parser.add_argument("--insecure", action="store_true", help=f"for --connect tcp/HOST:PORT: {INSECURE}")
 
 
-def session(options: argparse.Namespace) -> ZenohBus:
-    """A session with the run that the options name. Raises EchelonError."""
-    endpoint = options.connect or (None if options.run else os.environ.get(CONNECT))
-    if endpoint:
-        return ZenohBus(endpoint, options.run or os.environ.get(RUN) or "echelon", patience=CONNECT_SECONDS)
-    run = find(options.run)
-    return ZenohBus(run.endpoint, run.name, patience=CONNECT_SECONDS)
+def session(options: argparse.Namespace, *, orders: bool = False) -> ZenohBus:
+    """A session with the run that the options name, to give orders or only to listen. Raises EchelonError."""
+    endpoint, insecure = options.connect, options.insecure
+    if endpoint is None and options.run is None and CONNECT in os.environ:
+        endpoint, insecure = os.environ[CONNECT], insecure or bool(os.environ.get(WITHOUT_KEYS))
+    if endpoint is not None and protocol(endpoint) in (*OPEN, LOCAL):
+        run = options.run or os.environ.get(RUN) or "echelon"
+        return ZenohBus(endpoint, run, insecure=insecure, patience=CONNECT_SECONDS)
+    if endpoint is not None:
+        from runtime.hosts.distant import connect  # noqa: PLC0415  cryptography costs other commands 0.1 s
+
+        return connect(endpoint.removeprefix("tls/"), options.code, orders=orders, patience=CONNECT_SECONDS)
+    found = find(options.run)
+    return ZenohBus(found.endpoint, found.name, patience=CONNECT_SECONDS)
 
 
 def tell(line: str) -> None:

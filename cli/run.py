@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
 from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -27,6 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
     add_record(parser)
+    add_hosting(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -39,13 +41,16 @@ def run(options: argparse.Namespace) -> int:
         raise EchelonError(f"--warmup: expected 0 to less than {scenario.duration:g} s; got {options.warmup:g}")
     if options.realtime and options.engine == "inprocess":
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
+    if options.listen is not None and options.engine == "inprocess":
+        raise EchelonError("--listen: expected --engine processes; other hosts run processes")
+    hosts = hosting(options)
     warn(scenario)
     record = record_file(options, scenario.name)
     with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, record, report)
+            summary = _processes(scenario, options, hosts, record, report)
     if record is not None:
         tell(f"recorded in {record}")
     if options.json:
@@ -69,6 +74,7 @@ def _inprocess(
 def _processes(
     scenario: Scenario,
     options: argparse.Namespace,
+    hosts: Hosting,
     record: Path | None,
     report: Callable[[float], None],
 ) -> dict[str, Any]:
@@ -80,7 +86,9 @@ def _processes(
         realtime=options.realtime,
         record=None if record is None else str(record),
         detail=options.detail,
+        **hosts,
     ) as live:
+        tell_how_to_join(live, hosts)
         while live.watch():
             state = live.state
             if state is None:

@@ -10,15 +10,14 @@ from dashboard.scenario_list import ScenarioList
 from dashboard.serving import access, server
 from formation.errors import EchelonError
 from formation.scenario.files import load
+from network.arguments import add_connection, connect
 from network.lifetime import Lifetime
-from network.zenoh_bus import ZenohBus
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Serve the page until the process is told to stop."""
     parser = argparse.ArgumentParser(prog="python -m dashboard", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--port", type=_port, default=8090, help="8090 by default; 0: any free one")
     parser.add_argument("--host", default="127.0.0.1", help="any other than loopback requires a token")
     parser.add_argument("--token", help=f"that browsers must send; ${access.TOKEN} hides it from ps")
@@ -33,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
         served = server.serve(guard, options.port, "Run control")
         lifetime = Lifetime()
         try:
-            with ZenohBus(options.connect, options.run) as bus:
+            with connect(options, "dashboard") as bus:
                 page = Page(served, bus, scenarios)
                 port = served.get_port()
                 where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"

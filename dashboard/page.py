@@ -15,6 +15,7 @@ from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.link_matrix import link_matrix
 from dashboard.panels.plots import FIRST, SECOND, Chart
+from dashboard.panels.push import PushPanel
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
@@ -79,7 +80,7 @@ class Page:
         self._history = History()
         self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
-        self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked)
+        self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked, on_drag=self._dragged)
         self._errors = ThrottledLog()
         self._panels_drawn_at = self._plots_drawn_at = self._believed_at = 0.0
         self._panels_key: tuple[object, ...] = ()
@@ -97,6 +98,7 @@ class Page:
         gui.add_html(style_element())
         self._run = RunPanel(gui, self._requests, self._scenarios)
         self._drive = DrivePanel(self._server, self._requests)
+        self._push = PushPanel(gui, self._requests)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._export_buffer, lambda: self._palette, self._notices.notify)
@@ -139,6 +141,10 @@ class Page:
 
     def _robot_clicked(self, client: viser.ClientHandle, robot: int) -> None:
         self._view.focus_on(client, robot)
+        self._push.choose(robot)
+
+    def _dragged(self, robot: int, event: viser.SceneNodeDragEvent[Any]) -> None:
+        self._push.dragged(robot, event)
 
     def _link_clicked(self, sender: int) -> None:
         self._faults.choose("link", sender)
@@ -262,6 +268,7 @@ class Page:
             self._event_log.content = event_log(snapshot.state)
         if snapshot.state is not None:
             self._faults.draw(snapshot.state, driven=_driven(snapshot))
+            self._push.draw(snapshot)
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
         self._export.update(snapshot)

@@ -7,6 +7,8 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from formation.errors import EchelonError
+from network.access.keys import Keys
+from network.arguments import add_keys
 from network.lifetime import Lifetime
 from network.run_folder import remove
 from network.zenoh_bus import Router
@@ -15,14 +17,17 @@ from network.zenoh_bus import Router
 def main(arguments: list[str] | None = None) -> int:
     """Route messages until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m network", description=__doc__)
-    parser.add_argument("--listen", required=True, help="unixsock-stream/PATH or tcp/HOST:PORT")
+    parser.add_argument("--listen", required=True, action="append", help="unixsock-stream/PATH, or tls/HOST:PORT")
+    parser.add_argument("--run", default="", help="with --keys: name of the run")
+    add_keys(parser)
     parser.add_argument("--folder", help="the run's private folder, removed at the end")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s router: %(message)s", stream=sys.stderr)
     wake: SimpleQueue[None] = SimpleQueue()
     lifetime = Lifetime(lambda: wake.put(None))
     try:
-        router = Router(options.listen)
+        keys = None if options.keys is None else Keys.of(options.keys, "router")
+        router = Router(options.listen, options.run, keys=keys, insecure=options.insecure)
     except EchelonError as error:
         print(f"router: {error}", file=sys.stderr)
         return 2

@@ -35,6 +35,8 @@ class Query:
 
     payload: bytes
     answer: Callable[[bytes], None]
+    key: str = ""
+    """On which it was asked; empty for what a process asks of itself."""
 
 
 class Response(NamedTuple):

@@ -1,16 +1,20 @@
 """The operations that a client may request of the world: one model each, named in a Request."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, FiniteFloat, ValidationError
 
+from formation.disturbances import FARTHEST as FARTHEST_PUSH
+from formation.disturbances import Kind
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
-from formation.schema import Duration, Model, NonNegative
+from formation.schema import Duration, Model, NonNegative, Positive
 from formation.validation import problems
+from network import topics
 from network.fields import Link
 from network.requests import Request
+from network.values import Intervention
 
 MAX_SECONDS, FARTHEST = 1e6, 1e6
 """Of an order [s], and of a goal [m]."""
@@ -136,6 +140,43 @@ class GoTo(_Operation):
     """Of the point [m]."""
 
 
+class Push(_Operation):
+    """Disturb a robot's body from the next tick on."""
+
+    robot: Robot
+    kind: Kind
+    """Of formation.disturbances.PUSHES."""
+    seconds: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
+    """Simulated time after which it ends; None: until `Release` or a reset."""
+
+
+class Move(_Operation):
+    """Take a robot and carry it aside, within half a second from the next tick on."""
+
+    robot: Robot
+    dx: Annotated[FiniteFloat, Field(ge=-FARTHEST_PUSH, le=FARTHEST_PUSH)]
+    """In the world's frame [m]."""
+    dy: Annotated[FiniteFloat, Field(ge=-FARTHEST_PUSH, le=FARTHEST_PUSH)]
+    """In the world's frame [m]."""
+
+
+class Release(_Operation):
+    """End every disturbance that acts on a robot now, scheduled or not."""
+
+    robot: Robot | None = None
+    """None: of all robots."""
+
+
+class Reshape(_Operation):
+    """Change the shape, the spacing, or both, from the next tick on; a reset returns to the scenario's."""
+
+    shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
+    spacing: Annotated[Positive, Field(le=100.0)] | None = None
+    """Between neighbours [m]."""
+    over: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
+    """How long the change takes [s]; derived from the path's speed, if None."""
+
+
 class GetOrders(_Operation):
     """The reply's value is an Orders: what repeats this episode so far, in parts."""
 
@@ -143,10 +184,12 @@ class GetOrders(_Operation):
     """Number of fault tables to leave out, because the client has them."""
     drives: Annotated[int, Field(ge=0)] = 0
     """Number of drive orders to leave out, because the client has them."""
+    interventions: Annotated[int, Field(ge=0)] = 0
+    """Number of interventions to leave out, because the client has them."""
 
 
 class Orders(_Operation):
-    """What users and the schedule did to an episode: its fault tables, and the orders of its driver."""
+    """What users and the schedule did to an episode: fault tables, orders of its driver, interventions."""
 
     episode: int
     changes: int
@@ -156,6 +199,9 @@ class Orders(_Operation):
     """Every link that is not perfect, from each stamp on. The first table of an episode is the one at t = 0."""
     drives: list[tuple[Annotated[int, Field(ge=0)], OrderedSpeed, OrderedTurn]]
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
+    intervention_changes: int = 0
+    """Number of interventions in this episode so far."""
+    interventions: list[Intervention] = Field(default_factory=list)
     resumed: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
@@ -191,6 +237,10 @@ Operation = (
     | GetSetup
     | Drive
     | GoTo
+    | Push
+    | Move
+    | Release
+    | Reshape
     | GetOrders
     | GetSummary
     | GetTrace
@@ -213,11 +263,22 @@ OPERATIONS: dict[str, type[Operation]] = {
     "setup": GetSetup,
     "drive": Drive,
     "goto": GoTo,
+    "push": Push,
+    "move": Move,
+    "release": Release,
+    "shape": Reshape,
     "orders": GetOrders,
     "summary": GetSummary,
     "trace": GetTrace,
 }
+QUESTIONS = frozenset({"setup", "orders", "summary", "trace"})
+"""What changes nothing, so that anybody in the run may ask it."""
 _NAMES = {model: name for name, model in OPERATIONS.items()}
+
+
+def key(run: str, message: Request) -> str:
+    """Where a request is to be asked."""
+    return topics.question(run) if message.operation in QUESTIONS else topics.control(run)
 
 
 def request(operation: Operation) -> Request:

@@ -4,8 +4,8 @@ import argparse
 import sys
 
 from formation.errors import EchelonError
+from network.arguments import add_connection, connect
 from network.bus import Bus, Presence
-from network.zenoh_bus import ZenohBus
 
 SECONDS = 3.0
 
@@ -16,13 +16,12 @@ ROLES = ("router", "world", "agent", "recorder", "ghost", "dashboard", "body", "
 def main(arguments: list[str] | None = None) -> int:
     """Exit code 0 if it is alive, 1 if not."""
     parser = argparse.ArgumentParser(prog="python -m network.health", description=__doc__)
-    parser.add_argument("--run", required=True)
-    parser.add_argument("--connect", required=True)
+    add_connection(parser)
     parser.add_argument("--role", required=True, choices=ROLES)
     parser.add_argument("--id", type=int, default=0)
     options = parser.parse_args(arguments)
     try:
-        with ZenohBus(options.connect, options.run) as session:
+        with connect(options, "observer") as session:
             return 0 if options.role == "router" or _seen(session, options.role, options.id) else 1
     except EchelonError as error:
         print(error, file=sys.stderr)

@@ -11,7 +11,7 @@ from functools import partial
 from queue import SimpleQueue
 from typing import NamedTuple
 
-from network import topics
+from network import control
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import encode
 from network.messages import Message
@@ -176,13 +176,13 @@ class MemoryBus(Bus):
         return answers[0] if answers else None
 
     def _query(self, message: Request, take: Callable[[bytes], None]) -> None:
-        hub, key = self._hub, topics.control(self.run)
+        hub, key = self._hub, control.key(self.run, message)
         for server in [bus for bus in hub.buses if bus.run == self.run and key in bus._served]:
 
             def answer(payload: bytes, server: MemoryBus = server) -> None:
                 hub.carry(server, self, key, partial(take, payload))
 
-            hub.carry(self, server, key, partial(server.receive, Query(encode(message), answer)))
+            hub.carry(self, server, key, partial(server.receive, Query(encode(message), answer, key)))
 
     def appear(self, role: str, number: int = 0) -> None:
         self._tokens.append((role, number))

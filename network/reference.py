@@ -2,8 +2,8 @@
 
 import sys
 
-from network.control import OPERATIONS
-from network.topics import ALIVE, CONTROL, ROOT, TOPICS, Topic
+from network.control import OPERATIONS, QUESTIONS
+from network.topics import ALIVE, QUESTION, ROOT, TOPICS, Topic
 
 
 def table() -> str:
@@ -21,9 +21,10 @@ def _line(topic: Topic) -> str:
 def _message(topic: Topic) -> str:
     if topic is ALIVE:
         return topic.carries
-    if topic is CONTROL:
+    if not topic.published:
         asked, *answers = (kind.__name__ for kind in topic.messages)
-        return f"{topic.carries}: {asked} ({', '.join(OPERATIONS)}); answered by {' or '.join(answers)}"
+        names = [name for name in OPERATIONS if (name in QUESTIONS) == (topic is QUESTION)]
+        return f"{topic.carries}: {asked} ({', '.join(names)}); answered by {' or '.join(answers)}"
     return f"{topic.messages[0].__name__}: {topic.carries}"
 
 

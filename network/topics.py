@@ -15,7 +15,20 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
 from network.values import Mode
 
-Role = Literal["router", "world", "agent", "ghost", "dashboard", "launcher", "recorder", "body", "display", "each"]
+Role = Literal[
+    "router",
+    "world",
+    "agent",
+    "ghost",
+    "dashboard",
+    "launcher",
+    "recorder",
+    "body",
+    "display",
+    "operator",
+    "observer",
+    "each",
+]
 ROOT = "echelon"
 
 
@@ -51,6 +64,11 @@ class Topic:
     def is_reliable(self, mode: Mode) -> bool:
         """Whether a publisher waits for a slow subscriber in a run of this mode."""
         return self.reliable in ("always", mode)
+
+    @property
+    def published(self) -> bool:
+        """Whether its messages are published, and not asked for."""
+        return bool(self.messages) and self.messages[0] is not Request
 
     @property
     def interval(self) -> float:
@@ -147,10 +165,13 @@ BODY_POSE = Topic(
     "where a real robot is, and how fast",
     pace="as the robot says it",
 )
-CONTROL = Topic("control", "control", (Request, Reply, Setup), "world", "queryable", pace="on demand")
+CONTROL = Topic("control", "control", (Request, Reply), "world", "orders", pace="on demand")
+QUESTION = Topic("question", "question", (Request, Reply, Setup), "world", "what changes nothing", pace="on demand")
+ASKERS: tuple[Role, ...] = ("dashboard", "operator")
+"""Who gives orders; anybody in the run may ask questions."""
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, ALIVE)
+TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, QUESTION, ALIVE)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -201,8 +222,13 @@ def body_pose(run: str, robot: int | str) -> str:
 
 
 def control(run: str) -> str:
-    """The queryable on which the world answers Requests."""
+    """The queryable on which the world takes orders."""
     return CONTROL.key(run)
+
+
+def question(run: str) -> str:
+    """The queryable on which the world answers what changes nothing."""
+    return QUESTION.key(run)
 
 
 def alive(run: str, role: str, number: int | str) -> str:

@@ -8,14 +8,16 @@ time limit. This is the only module that imports zenoh.
 import json
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from queue import SimpleQueue
 from typing import Any
 
 import zenoh
 
 from formation.errors import EchelonError
-from network import topics
+from network import control, topics
+from network.access.keys import Keys, check, refusal
+from network.access.rules import access_list
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
 from network.messages import Message
@@ -27,48 +29,82 @@ CONNECT_SECONDS = 10.0
 """Longest wait for a router that is just starting, or coming back [s]."""
 CLOSE_SECONDS = 2.0
 """Time limit for closing a session [s]; on a dead link it would take ten seconds."""
+REFUSAL_SECONDS = 1.0
+"""A router that has not let a process in for this long is asked why [s]."""
 REQUEST_SECONDS = 1.0
 """A request that is not answered for this long never is [s]."""
 
 
-def config(*, endpoint: str, router: bool, patience: float = CONNECT_SECONDS) -> zenoh.Config:
-    """Configuration of a session with the router only: no scouting, no other listeners, no shared memory."""
-    settings: dict[str, Any] = {
-        "mode": "router" if router else "client",
+def _settings(mode: str, keys: Keys | None) -> dict[str, Any]:
+    """Of a session with the router only: no scouting, no other listeners, no shared memory."""
+    link: dict[str, Any] = {"tx": {"lease": LEASE_MS, "keep_alive": 4}}
+    if keys is not None:
+        link["tls"] = keys.settings(listening=mode == "router")
+    return {
+        "mode": mode,
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}, "delay": 1},
-        "transport": {"link": {"tx": {"lease": LEASE_MS, "keep_alive": 4}}, "shared_memory": {"enabled": False}},
+        "transport": {"link": link, "shared_memory": {"enabled": False}},
+        "listen": {"endpoints": []},
     }
-    if router:
-        settings["listen"] = {"endpoints": [endpoint]}
-    else:
-        settings["listen"] = {"endpoints": []}
-        settings["connect"] = {
-            "endpoints": [endpoint],
-            "timeout_ms": round(patience * 1e3),
-            "exit_on_failure": True,
-            "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
-        }
+
+
+def client_config(endpoint: str, *, keys: Keys | None = None, patience: float = CONNECT_SECONDS) -> zenoh.Config:
+    """Of a session with a router, which is waited for so long [s]."""
+    settings = _settings("client", keys)
+    settings["connect"] = {
+        "endpoints": [endpoint],
+        "timeout_ms": round(patience * 1e3),
+        "exit_on_failure": True,
+        "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
+    }
     return zenoh.Config.from_json5(json.dumps(settings))
 
 
 class ZenohBus(Bus):
     """A client of the run's router."""
 
-    def __init__(self, endpoint: str, run: str, *, patience: float = CONNECT_SECONDS) -> None:
-        """Connect; waits at most so long for the router [s].
+    def __init__(
+        self,
+        endpoint: str,
+        run: str,
+        *,
+        keys: Keys | None = None,
+        insecure: bool = False,
+        patience: float = CONNECT_SECONDS,
+    ) -> None:
+        """Connect.
+
+        Args:
+            endpoint: of the router.
+            run: name of the run.
+            keys: for any endpoint but a unix socket.
+            insecure: accept an endpoint that strangers can use.
+            patience: longest wait for the router [s].
 
         Raises:
-            EchelonError: the router cannot be reached.
+            EchelonError: the router cannot be reached, or one of the two refuses the other.
         """
+        check(endpoint, keys, insecure=insecure)
         self.run = run
         self.inbox: SimpleQueue[Incoming] = SimpleQueue()
         self._publishers: dict[str, zenoh.Publisher] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._declared: list[object] = []
         try:
-            self._session = zenoh.open(config(endpoint=endpoint, router=False, patience=patience))
+            self._session = self._opened(endpoint, keys, patience)
         except zenoh.ZError:
             raise EchelonError(f"expected a router at {endpoint}; nobody answers there") from None
+
+    def _opened(self, endpoint: str, keys: Keys | None, patience: float) -> zenoh.Session:
+        if keys is None or patience <= REFUSAL_SECONDS:
+            return zenoh.open(client_config(endpoint, keys=keys, patience=patience))
+        try:
+            return zenoh.open(client_config(endpoint, keys=keys, patience=REFUSAL_SECONDS))
+        except zenoh.ZError:
+            reason = refusal(endpoint, keys)
+            if reason is not None:
+                raise EchelonError(reason) from None
+            return zenoh.open(client_config(endpoint, keys=keys, patience=patience - REFUSAL_SECONDS))
 
     @property
     def connected(self) -> bool:
@@ -109,7 +145,7 @@ class ZenohBus(Bus):
                 with query:
                     query.reply(key, payload)
 
-            self.inbox.put(Query(_bytes(query.payload) if query.payload else b"", answer))
+            self.inbox.put(Query(_bytes(query.payload) if query.payload else b"", answer, key))
 
         self._declared.append(self._session.declare_queryable(key, zenoh.handlers.Callback(take, indirect=False)))
 
@@ -119,17 +155,29 @@ class ZenohBus(Bus):
                 self.inbox.put(Response(message, _bytes(reply.ok.payload)))
 
         self._session.get(
-            topics.control(self.run),
+            control.key(self.run, message),
             zenoh.handlers.Callback(take, indirect=False),
             payload=encode(message),
             timeout=REQUEST_SECONDS,
         )
 
     def fetch(self, message: Request, timeout: float) -> bytes | None:
-        for reply in self._session.get(topics.control(self.run), payload=encode(message), timeout=timeout):
+        for reply in self._session.get(control.key(self.run, message), payload=encode(message), timeout=timeout):
             if reply.ok:
                 return _bytes(reply.ok.payload)
         return None
+
+    def stamps(self, key: str) -> SimpleQueue[tuple[float, float]]:
+        """Of samples: when they passed the router by its clock, and arrived here by ours [s since 1970]."""
+        found: SimpleQueue[tuple[float, float]] = SimpleQueue()
+
+        def take(sample: zenoh.Sample) -> None:
+            here = self._session.new_timestamp().get_time().timestamp()
+            if sample.timestamp is not None:
+                found.put((sample.timestamp.get_time().timestamp(), here))
+
+        self._declared.append(self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False)))
+        return found
 
     def appear(self, role: str, number: int = 0) -> None:
         self._declared.append(self._session.liveliness().declare_token(topics.alive(self.run, role, number)))
@@ -171,17 +219,32 @@ class KeptSamples:
 class Router:
     """The run's router: everything goes through it, nothing else listens."""
 
-    def __init__(self, endpoint: str) -> None:
-        """Listen on unixsock-stream/PATH or tcp/HOST:PORT.
+    def __init__(
+        self, endpoints: Sequence[str], run: str = "", *, keys: Keys | None = None, insecure: bool = False
+    ) -> None:
+        """Listen.
+
+        Args:
+            endpoints: unixsock-stream/PATH, tls/HOST:PORT, quic/HOST:PORT, or those that strangers can use.
+            run: with keys, the run that they are for.
+            keys: for any endpoint but a unix socket.
+            insecure: listen on endpoints that strangers can use.
 
         Raises:
             EchelonError: it cannot listen there.
         """
+        for endpoint in endpoints:
+            check(endpoint, keys, insecure=insecure)
+        settings = _settings("router", keys)
+        settings["listen"]["endpoints"] = list(endpoints)
+        if keys is not None:
+            settings["access_control"] = access_list(run)
         try:
-            self._session = zenoh.open(config(endpoint=endpoint, router=True))
+            self._session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
         except zenoh.ZError as error:
             text = str(error).split(" at ")[0][:200]
-            raise EchelonError(f"expected an endpoint to listen on; {endpoint} cannot be used: {text}") from None
+            where = ", ".join(endpoints)
+            raise EchelonError(f"expected an endpoint to listen on; {where} cannot be used: {text}") from None
 
     def close(self) -> None:
         """Stop listening."""

@@ -6,22 +6,21 @@ import sys
 from pathlib import Path
 
 from formation.errors import EchelonError
+from network.arguments import add_connection, connect
 from network.lifetime import Lifetime
-from network.zenoh_bus import ZenohBus
 from records.process import run
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Record the run until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m records", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--file", required=True, type=Path, help="to write to")
     parser.add_argument("--detail", choices=["default", "full"], default="default", help="what is recorded")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s recorder: %(message)s", stream=sys.stderr)
     try:
-        with ZenohBus(options.connect, options.run) as bus:
+        with connect(options, "recorder") as bus:
             run(bus, options.file, Lifetime(bus.wake), detail=options.detail)
     except EchelonError as error:
         print(f"recorder: {error}", file=sys.stderr)

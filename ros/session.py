@@ -14,7 +14,7 @@ from typing import Self
 import zenoh
 
 from formation.errors import EchelonError
-from network.zenoh_bus import close_session, config
+from network.zenoh_bus import client_config, close_session
 from ros import tokens
 from ros.tokens import DEFAULT_QOS, Endpoint
 from ros.types import HASHES
@@ -58,7 +58,7 @@ class RosSession:
             EchelonError: the router cannot be reached.
         """
         try:
-            self._session = zenoh.open(config(endpoint=endpoint, router=False, patience=patience))
+            self._session = zenoh.open(client_config(endpoint, patience=patience))
         except zenoh.ZError as error:
             if "endpoint" in str(error).lower() and "connect" not in str(error).lower():
                 raise EchelonError(f"expected an endpoint such as tcp/10.0.0.11:7447; got {endpoint!r}") from None

@@ -36,6 +36,7 @@ x-service: &service
   environment:
     ECHELON_CONNECT: "tcp/router:{router}"  # `docker compose exec world echelon status` needs no options
     ECHELON_RUN: "{run}"
+    ECHELON_INSECURE: "1"  # inside the network of these containers only
     ECHELON_IN_CONTAINER: "1"
 
 networks:
@@ -51,7 +52,8 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, 
         run=RUN,
         scenario=scenario,
         connect=f"tcp/router:{ROUTER_PORT}",
-        listen=f"tcp/0.0.0.0:{ROUTER_PORT}",
+        listen=(f"tcp/0.0.0.0:{ROUTER_PORT}",),
+        insecure=True,  # nobody but the services reaches their network
         overrides=overrides,
         endless=True,
         ghost=True,
@@ -86,7 +88,17 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
 
 def _service(program: Program, mounts: Mapping[str, str]) -> str:
     name = f"agent-{program.number}" if program.role == "agent" else program.role
-    check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
+    check = [
+        "CMD",
+        "python",
+        "-m",
+        "network.health",
+        "--run",
+        RUN,
+        "--connect",
+        f"tcp/router:{ROUTER_PORT}",
+        "--insecure",
+    ]
     check += ["--role", program.role, "--id", str(program.number)]
     lines = [
         f"  {name}:",

@@ -1,11 +1,9 @@
 """A run as supervised processes: start them, watch them, end them all and remove what they leave."""
 
 import contextlib
-import signal
-import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
@@ -18,6 +16,9 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
+from runtime.agent_keeper import AgentKeeper
+from runtime.endings import Endings
+from runtime.hosts.listening import Listening
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agent, programs
@@ -25,21 +26,12 @@ from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
 
+if TYPE_CHECKING:
+    from runtime.hosts.reception import Reception
+
 WATCH_SECONDS = 0.05
 SUMMARY_SECONDS = 600.0
 """Longest wait for the measures of an episode [s]; those of 64 robots and an hour take many seconds."""
-
-
-_ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
-
-
-def _ignored() -> set[signal.Signals]:
-    """Of nohup, which wants the run to outlive its terminal."""
-    return {number for number in (signal.SIGHUP,) if signal.getsignal(number) is signal.SIG_IGN}
 
 
 class LiveRun:
@@ -51,6 +43,8 @@ class LiveRun:
         scenario: Scenario,
         *,
         tell: Callable[[str], None],
+        listening: Listening | None = None,
+        here: frozenset[int] | None = None,
         **options: Any,
     ) -> None:
         """Without a name or a process yet.
@@ -59,6 +53,8 @@ class LiveRun:
             name: of the run.
             scenario: what to run, already checked: the world gets this one, whatever becomes of its file.
             tell: called with a line for the user.
+            listening: for other hosts.
+            here: robots whose agents this host runs; None: all.
             options: of runtime.process_list.RunPlan.
 
         Raises:
@@ -69,21 +65,22 @@ class LiveRun:
         self._name, self._options = name, options
         self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
-        self._handlers: dict[signal.Signals, Any] = {}
+        self._endings = Endings()
+        self._listening, self._here = listening, here
+        self.reception: Reception | None = None
+        """Lets other hosts in; None if the run does not listen, or if nobody is asked for a code."""
         self._session: ZenohBus | None = None
         self._state: State | None = None
 
     def __enter__(self) -> Self:
         """Claim the name and start the processes. Raises EchelonError: the name is in use, or it cannot be done."""
-        # Also for Ctrl-C: a shell that starts a program in the background has it ignored.
-        if threading.current_thread() is threading.main_thread():  # elsewhere Python allows no handlers
-            endings = [number for number in _ENDINGS if number not in _ignored()]
-            self._handlers = {number: signal.signal(number, _interrupt) for number in endings}
+        self._endings.begin()
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
             wanted = programs(self._plan, self._scenario)
             check_enough(len(wanted))
+            self._keeper = AgentKeeper(self._supervisor, lambda number: agent(self._plan, number), self._here)
             self._supervisor.start(wanted)
             self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
@@ -101,20 +98,35 @@ class LiveRun:
         file = claim.path / "scenario.json"
         file.write_text(self._scenario.model_dump_json(exclude_unset=True), encoding="utf-8")
         options = {"folder": str(claim.path), "started": str(file), "code": packed(claim.path), **self._options}
-        return RunPlan(self._name, str(file), claim.endpoint, claim.endpoint, **options)
+        endpoints: tuple[str, ...] = (claim.endpoint,)
+        if self._listening is not None:
+            endpoints += self._listening.endpoints
+            options["insecure"] = self._listening.insecure
+            if not self._listening.insecure:
+                from runtime.hosts.reception import Reception  # noqa: PLC0415  cryptography costs a start on one host 0.1 s
+
+                self.reception = Reception(self._listening, self._name, claim.path, self._vacant, self._tell)
+                options["keys"] = str(self.reception.folder)
+        return RunPlan(self._name, str(file), claim.endpoint, endpoints, here=self._here, **options)
+
+    def _vacant(self) -> set[int]:
+        """Robots whose agents are other hosts' to run, and not there."""
+        state = self._state
+        robots = range(1, (self._scenario.size if state is None else min(len(state.poses), MAX_ROBOTS)) + 1)
+        return set(robots) - (set(robots) if self._here is None else self._here) - set(state.live if state else ())
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for number in self._handlers:  # a second Ctrl-C must not interrupt the tidying up
-            signal.signal(number, signal.SIG_IGN)
+        self._endings.ignore()
+        if self.reception is not None:
+            self.reception.close()
         if self._session is not None:  # before its router goes: closing a dead link takes long
             self._session.close()
         self._supervisor.stop()
         if self._claim is not None:
             self._claim.__exit__()
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)
+        self._endings.end()
 
     @property
     def page(self) -> str:
@@ -150,13 +162,7 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            robots = set(range(1, min(len(self._state.poses), MAX_ROBOTS) + 1))
-            self._supervisor.keep_down(self._state.dismissed, "killed, as asked")
-            surplus = self._supervisor.numbers - robots
-            self._supervisor.keep_down(surplus, f"ended: the scenario has {len(robots)} robots")
-            absent = set(self._state.waiting_for) - set(self._state.dismissed)
-            missing = absent & robots - self._supervisor.numbers
-            self._supervisor.start(agent(self._plan, number) for number in sorted(missing))
+            self._keeper.keep(self._state)
         return True
 
     def _listen(self) -> None:

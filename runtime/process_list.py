@@ -33,10 +33,16 @@ class RunPlan:
     """Name or file."""
     connect: str
     """The router's endpoint that its clients connect to."""
-    listen: str
-    """The router's endpoint that it listens on."""
+    listen: tuple[str, ...]
+    """The router's endpoints that it listens on."""
     overrides: Overrides = field(default_factory=dict)
     """What differs from it."""
+    keys: str | None = None
+    """Folder with the keys of whatever is not on a unix socket."""
+    insecure: bool = False
+    """Whether endpoints that strangers can use are allowed."""
+    here: frozenset[int] | None = None
+    """Robots whose agents are of this host; None: all."""
     realtime: bool = False
     speed: float = 1.0
     endless: bool = False
@@ -69,7 +75,7 @@ class RunPlan:
 
 def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     """Every process of the run, in the order in which they are best started."""
-    common = ("--run", plan.run, "--connect", plan.connect)
+    common = _common(plan)
     world = [*common, "--scenario", plan.scenario, "--speed", f"{plan.speed:g}"]
     if plan.overrides:
         world += ["--overrides", to_json(plan.overrides)]
@@ -78,12 +84,14 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     world += ["--folder", plan.folder] if plan.folder else []
     world += [flag for flag, on in _flags(plan) if on]
     world += _each("--real", tuple(str(number) for number, _ in plan.robots))
-    router = ["--listen", plan.listen, *(("--folder", plan.folder) if plan.folder and not plan.containers else ())]
-    found = [Program("router", 0, "network", tuple(router)), Program("world", 0, "world", tuple(world))]
+    router = (*_each("--listen", plan.listen), "--run", plan.run, *_doors(plan))
+    router += ("--folder", plan.folder) if plan.folder and not plan.containers else ()
+    found = [Program("router", 0, "network", router), Program("world", 0, "world", tuple(world))]
     if plan.record is not None:  # before the agents: what happens at once is to be in the record
         found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))
     found += [Program("body", number, "ros.body", (*common, "--robot", spec)) for number, spec in plan.robots]
-    found += [agent(plan, number) for number in range(1, scenario.size + 1)]
+    robots = [number for number in range(1, scenario.size + 1) if plan.here is None or number in plan.here]
+    found += [agent(plan, number) for number in robots]
     if plan.ghost:
         own = [*_each("--controller", plan.code.controllers), *_each("--bodies", plan.code.bodies)]
         found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
@@ -103,7 +111,18 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
 def agent(plan: RunPlan, number: int) -> Program:
     """The agent of one robot."""
     own = _each("--controller", plan.code.controllers)
-    return Program("agent", number, "agents", ("--run", plan.run, "--connect", plan.connect, "--id", str(number), *own))
+    return Program("agent", number, "agents", (*_common(plan), "--id", str(number), *own))
+
+
+def _common(plan: RunPlan) -> tuple[str, ...]:
+    """What every client of the router needs."""
+    local = plan.connect.startswith("unixsock-stream/")
+    return ("--run", plan.run, "--connect", plan.connect, *(() if local else _doors(plan)))
+
+
+def _doors(plan: RunPlan) -> tuple[str, ...]:
+    keys = ("--keys", plan.keys) if plan.keys else ()
+    return (*keys, *(("--insecure",) if plan.insecure else ()))
 
 
 def _each(option: str, values: tuple[str, ...]) -> list[str]:

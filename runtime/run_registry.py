@@ -36,6 +36,8 @@ class Run:
     """Endpoint of its router."""
     page: str
     """Address of its dashboard; empty if it has none."""
+    joined: bool = False
+    """Whether it is this host's part of another host's run, whose router its agents connect to."""
 
 
 def folder() -> Path:
@@ -74,7 +76,7 @@ def _one_at_a_time(base: Path) -> Iterator[None]:
 class Claim:
     """A claimed name of a run; while it is held, no other process can claim it. Use as a context manager."""
 
-    def __init__(self, name: str, *, page: str = "") -> None:
+    def __init__(self, name: str, *, page: str = "", joined: bool = False) -> None:
         """Take the name.
 
         Raises:
@@ -88,7 +90,7 @@ class Claim:
         self._lock = self._take()
         try:
             with _one_at_a_time(self.path.parent):
-                self._write(Run(name, os.getpid(), self.endpoint, page))
+                self._write(Run(name, os.getpid(), self.endpoint, page, joined))
         except BaseException as error:
             remove(self.path, self._lock)
             if isinstance(error, OSError):
@@ -130,7 +132,7 @@ def live() -> list[Run]:
     """The runs of this user whose launcher is alive, by name. Folders of killed ones are removed."""
     found = []
     try:
-        paths = sorted(path for path in folder().iterdir() if path.is_dir())
+        paths = sorted(path for path in folder().iterdir() if path.is_dir() and path.name[0] != ".")
     except OSError:
         return []
     for path in paths:
@@ -151,7 +153,7 @@ def find(name: str | None) -> Run:
     Raises:
         EchelonError: there is none, or several to choose from.
     """
-    runs = live()
+    runs = [run for run in live() if not run.joined]
     if not runs:
         raise EchelonError("expected a live run to talk to; there is none. Start one: echelon up")
     if name is None:

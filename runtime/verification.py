@@ -4,6 +4,7 @@ import json
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from formation.loading.source import LOADED
 from formation.scenario.files import parse
 from formation.scenario.user_code import from_text
 from network.messages import VERSION
+from network.values import Intervention
 from records.record import Record, RecordedEpisode, RecordedOrder
 from runtime.ghost.shadow import Shadow
 
@@ -72,6 +74,7 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
     shadow.learn(
         [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
+        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
     )
     shadow.resume_at(episode.resumed)
     compared = 0
@@ -103,6 +106,11 @@ def _everybody_until(orders: list[RecordedOrder], ticks: list[int], remarks: lis
 
 def _table(order: RecordedOrder) -> dict[LinkId, Fault]:
     return {LinkId.parse(link): Fault(**fault) for link, fault in order.value.items()}
+
+
+def _intervention(order: RecordedOrder) -> Intervention:
+    kind: Any = order.kind
+    return Intervention(order.tick, kind, order.value)
 
 
 def _difference(episode: RecordedEpisode, tick: int, shadow: Shadow) -> str:

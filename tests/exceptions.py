@@ -4,6 +4,7 @@ import importlib.util
 import os
 import shutil
 import socket
+import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,12 +34,22 @@ def chromium() -> str | None:
     return shutil.which("chromium") or (CHROMIUM if os.path.exists(CHROMIUM) else None)
 
 
+def namespaces() -> bool:
+    """Whether network namespaces can be made here."""
+    ip = shutil.which("ip")
+    return (
+        ip is not None and subprocess.run(["unshare", "-n", "true"], capture_output=True, check=False).returncode == 0
+    )
+
+
 NEEDS = {
     "chromium": Need(lambda: chromium() is not None, "apt-get install chromium"),
     "playwright": Need(package("playwright"), "pip install -e .[test]"),
     "bash": Need(lambda: shutil.which("bash") is not None, "apt-get install bash"),
     "mujoco": Need(package("mujoco"), "pip install -e .[test]"),
     "rosbags": Need(package("rosbags"), "pip install -e .[test]"),
+    "network namespaces": Need(namespaces, "run as root, with iproute2"),
+    "nftables": Need(lambda: shutil.which("nft") is not None, "apt-get install nftables"),
     "zenoh-ros2-sdk": Need(package("zenoh_ros2_sdk"), "pip install -e .[test]"),
     "unix sockets": Need(lambda: hasattr(socket, "AF_UNIX"), "Linux or macOS"),
 }

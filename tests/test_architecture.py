@@ -55,8 +55,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"messages"},
         {"topics"},
         {"codec", "control", "link"},
-        {"bus", "reference"},
+        {"bus", "reference", "access"},
         {"zenoh_bus", "memory_bus"},
+        {"arguments"},
         {"health", "__main__"},
     ],
     "agents": [
@@ -70,8 +71,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
-        {"trace", "rate", "sight"},
+        {"bodies", "faults", "driver", "states", "command_links"},
+        {"measures", "rate", "sight", "interventions"},
+        {"episode"},
         {"world"},
         {"presence", "journal", "samples"},
         {"run_control"},
@@ -234,6 +236,13 @@ def test_numba_is_imported_where_kernels_are_compiled_only() -> None:
     files = importers("numba")
     assert "agents/kernels/jit.py" in files
     assert {file.split("/")[0] for file in files} <= {"agents", "runtime", "cli"}
+
+
+def test_keys_are_made_where_hosts_join_only() -> None:
+    """Importing cryptography costs a process a tenth of a second, and a run on one host needs no keys."""
+    assert importers("cryptography") == {"runtime/hosts/authority.py"}
+    hosts = {name_of(file) for file in FILES for module, _ in imports(file) if module == "runtime.hosts.authority"}
+    assert all(name.startswith("runtime/hosts/") for name in hosts)
 
 
 def test_matplotlib_is_imported_in_experiments_only() -> None:

@@ -12,9 +12,9 @@ from formation.scenario.files import load
 from formation.scenario.overrides import from_json
 from formation.scenario.registry import check_live, register_unloaded
 from formation.scenario.user_code import from_text
+from network.arguments import add_connection, connect
 from network.lifetime import TERMINATED, Lifetime
 from network.values import Event, Mode
-from network.zenoh_bus import ZenohBus
 from world.bodies.own import load_bodies
 from world.parts import Parts
 from world.process import run
@@ -30,8 +30,7 @@ IN_CONTAINER = "ECHELON_IN_CONTAINER"
 def main(arguments: list[str] | None = None) -> int:
     """Step the world until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m world", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--scenario", required=True, help="name or TOML file")
     parser.add_argument("--overrides", default="{}", metavar="JSON", help="what differs from the scenario's file")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, not in lockstep")
@@ -53,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         show = _print if os.environ.get(IN_CONTAINER) else None
         folder = Path(options.folder) if options.folder else None
         parts = (_saved(folder) if folder else None) or _begun(options)
-        with ZenohBus(options.connect, options.run) as bus:
+        with connect(options, "world") as bus:
             robots = parts.world.real if isinstance(parts.world, MixedWorld) else None
             stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None, robots, show)
     except EchelonError as error:

@@ -23,6 +23,7 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.subscribe(topics.command(bus.run, "*"))
     bus.subscribe(topics.status(bus.run, "*"))
     bus.serve(topics.control(bus.run))
+    bus.serve(topics.question(bus.run))
     bus.watch()
     bus.appear("world")
 

@@ -3,7 +3,7 @@
 from collections import deque
 
 from formation.errors import EchelonError, WireError
-from network import control
+from network import control, topics
 from network.bus import Action, Query, Reject, Respond
 from network.codec import decode, encode
 from network.control import Operation
@@ -31,7 +31,10 @@ class Requests:
     def receive(self, query: Query, now: float) -> None:
         """A query came in; one for the Setup is answered at once, for agents need it to answer this very tick."""
         try:
-            operation = control.operation(decode(Request, query.payload))
+            request = decode(Request, query.payload)
+            if topics.topic_of(query.key) is topics.QUESTION and request.operation not in control.QUESTIONS:
+                raise EchelonError(f"expected a question; got {request.operation!r:.40}, which is an order")
+            operation = control.operation(request)
         except EchelonError as error:
             if isinstance(error, WireError):
                 self.actions.append(Reject("control", str(error)))

@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> None:
         case "clear":
             wanted = {"link": options.link}
     asked = operation(Request(_OPERATIONS[options.action], wanted)) if wanted else None
-    with session(options) as live:
+    with session(options, orders=asked is not None) as live:
         if asked is not None:
             ask(live, asked)
         else:

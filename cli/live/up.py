@@ -7,6 +7,7 @@ from pathlib import Path
 
 from setproctitle import setproctitle
 
+from cli.hosting import add_hosting, hosting, tell_how_to_join
 from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
@@ -39,6 +40,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock, do not wait for slow agents")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default: 1)")
     parser.add_argument("--paused", action="store_true", help="wait for Start")
+    add_hosting(parser)
     parser.add_argument(
         "--robot",
         action="append",
@@ -59,6 +61,7 @@ def run(options: argparse.Namespace) -> int:
     scenario, _ = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
+    hosts = hosting(options)
     dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
     token = access.given_token(options.token)
     if token is None and options.host not in access.LOOPBACK:
@@ -86,8 +89,10 @@ def run(options: argparse.Namespace) -> int:
         record=None if record is None else str(record),
         detail=options.detail,
         scenarios=str(Path.cwd()),
+        **hosts,
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        tell_how_to_join(live, hosts)
         if record is not None:
             tell(f"recording in {record}")
         shown = 0

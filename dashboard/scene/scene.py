@@ -42,6 +42,7 @@ class Scene:
         server: viser.ViserServer,
         on_robot: Callable[[viser.ClientHandle, int], None],
         on_link: Callable[[int], None],
+        on_drag: Callable[[int, viser.SceneNodeDragEvent[Any]], None],
     ) -> None:
         """An empty scene.
 
@@ -49,8 +50,9 @@ class Scene:
             server: whose scene is used.
             on_robot: a user clicked this robot.
             on_link: a user clicked the link with this sender.
+            on_drag: a user drags this robot.
         """
-        self._server, self._on_robot, self._on_link = server, on_robot, on_link
+        self._server, self._on_robot, self._on_link, self._on_drag = server, on_robot, on_link, on_drag
         self._nodes: dict[str, Any] = {}
         self._hidden: set[str] = set()
         self._scenario: Scenario | None = None
@@ -224,11 +226,17 @@ class Scene:
         for name in self._hidden:
             self._nodes[name].visible = False
         self._nodes["/bodies"].on_click(self._clicked_robot)
+        self._nodes["/bodies"].on_drag(self._dragged_robot)
         self._nodes["/heads"].on_click(self._clicked_link)
 
     def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:
             self._on_robot(event.client, event.instance_index + 1)
+
+    async def _dragged_robot(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+        """Asynchronous, because viser then keeps the order of a drag's events."""
+        if event.instance_index is not None:
+            self._on_drag(event.instance_index + 1, event)
 
     def _clicked_link(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:

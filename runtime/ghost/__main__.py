@@ -6,8 +6,8 @@ import sys
 
 from agents.controllers.own import load_controller
 from formation.errors import EchelonError
+from network.arguments import add_connection, connect
 from network.lifetime import Lifetime
-from network.zenoh_bus import ZenohBus
 from runtime.ghost.process import run
 from world.bodies.own import load_bodies
 
@@ -15,8 +15,7 @@ from world.bodies.own import load_bodies
 def main(arguments: list[str] | None = None) -> int:
     """Follow the run until the process is asked to end."""
     parser = argparse.ArgumentParser(prog="python -m runtime.ghost", description=__doc__)
-    parser.add_argument("--run", required=True, help="name of the run")
-    parser.add_argument("--connect", required=True, help="the router's endpoint")
+    add_connection(parser)
     parser.add_argument("--controller", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
     parser.add_argument("--bodies", action="append", default=[], metavar="FILE.py:CLASS", help="of your own")
     options = parser.parse_args(arguments)
@@ -26,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
             load_controller(spec)
         for spec in options.bodies:
             load_bodies(spec)
-        with ZenohBus(options.connect, options.run) as bus:
+        with connect(options, "ghost") as bus:
             run(bus, Lifetime(bus.wake))
     except EchelonError as error:
         print(f"ghost: {error}", file=sys.stderr)

@@ -13,6 +13,7 @@ from formation.link_ids import LinkId
 from formation.paths.driven import Driven
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Ghost
+from network.values import Intervention
 from runtime.inprocess import Simulation
 from world.run_control import with_controller
 
@@ -30,13 +31,14 @@ class Shadow:
         """
         same = controller == scenario.controller.name
         self.controller, self.episode = controller, episode
-        self.tables_known = self.drives_known = 0
-        """Number of fault tables and of the driver's orders that are known."""
+        self.tables_known = self.drives_known = self.interventions_known = 0
+        """Number of fault tables, of the driver's orders and of interventions that are known."""
         own = without_commands(scenario if same else with_controller(scenario, controller))
         self._simulation = Simulation(own, endless=True)
         self._interval = scenario.control_interval
         self._tables: deque[tuple[float, Mapping[LinkId, Fault]]] = deque()
         self._drives: deque[tuple[int, float, float]] = deque()
+        self._interventions: deque[Intervention] = deque()
         self._resumed: list[int] = []
 
     @property
@@ -60,13 +62,17 @@ class Shadow:
         return self._simulation.finished
 
     def learn(
-        self, tables: Iterable[tuple[float, Mapping[LinkId, Fault]]], drives: Iterable[tuple[int, float, float]] = ()
+        self,
+        tables: Iterable[tuple[float, Mapping[LinkId, Fault]]],
+        drives: Iterable[tuple[int, float, float]] = (),
+        interventions: Iterable[Intervention] = (),
     ) -> None:
         """Add what comes next in the live episode.
 
         Args:
             tables: of faults, each with the time from which on it holds [s].
             drives: orders of the driver: tick from which on it counts, v [m/s], omega [rad/s].
+            interventions: what users did to the robots.
         """
         for table in tables:
             self._tables.append(table)
@@ -74,6 +80,9 @@ class Shadow:
         for drive in drives:
             self._drives.append(drive)
             self.drives_known += 1
+        for intervention in interventions:
+            self._interventions.append(intervention)
+            self.interventions_known += 1
 
     def resume_at(self, ticks: Iterable[int]) -> None:
         """At these ticks, in order, the live world went on from a saved state: here too every agent begins anew."""
@@ -93,6 +102,8 @@ class Shadow:
             world.impose_faults(self._tables.popleft()[1])
         while world.driver and self._drives and self._drives[0][0] <= world.k:
             world.driver.impose(world.k, *self._drives.popleft()[1:])
+        while self._interventions and self._interventions[0].tick <= world.k:
+            world.repeat(self._interventions.popleft())
         self._simulation.step()
 
     def message(self, seq: int) -> Ghost:

@@ -22,6 +22,7 @@ def world(reply: Reply | None) -> tuple[MemoryBus, list[Operation]]:
     hub, asked = MemoryHub(), list[Operation]()
     served = hub.join("x")
     served.serve(topics.control("x"))
+    served.serve(topics.question("x"))
 
     def react(item: Incoming) -> None:
         assert isinstance(item, Query)
@@ -45,6 +46,7 @@ def bus() -> MemoryBus:
     hub = MemoryHub()
     served = hub.join("x")
     served.serve(topics.control("x"))
+    served.serve(topics.question("x"))
     setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(exclude_unset=True), "lockstep", {})
     served.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
     return hub.join("x")

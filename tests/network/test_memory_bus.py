@@ -71,6 +71,7 @@ def test_a_request_is_answered_over_the_same_uncertain_way() -> None:
     hub = MemoryHub(fate)
     world, user = hub.join("x", "world"), hub.join("x", "user")
     world.serve(topics.control("x"))
+    world.serve(topics.question("x"))
     for gone, answered in ((set[int](), True), ({2}, False), ({4}, False)):
         lost |= gone
         perform(user, [Ask(request(Pause()))], ThrottledLog())

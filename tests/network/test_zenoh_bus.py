@@ -17,7 +17,7 @@ from network.zenoh_bus import Router, ZenohBus
 def pair(tmp_path: Path) -> Iterator[tuple[ZenohBus, ZenohBus]]:
     """Two clients of one router."""
     endpoint = f"unixsock-stream/{tmp_path}/r"
-    router = Router(endpoint)
+    router = Router([endpoint])
     with ZenohBus(endpoint, "x") as one, ZenohBus(endpoint, "x") as other:
         yield one, other
     router.close()

@@ -64,7 +64,7 @@ def simulate(
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
         plan = RunPlan(
-            "lockstep", name, claim.endpoint, claim.endpoint, from_settings(settings), speed=0.0, paused=True
+            "lockstep", name, claim.endpoint, (claim.endpoint,), from_settings(settings), speed=0.0, paused=True
         )
         found = programs(plan, scenario)
         random.Random(order).shuffle(found)

@@ -88,19 +88,21 @@ def test_overrides_reach_the_world_and_the_number_of_robots() -> None:
 
 
 def test_the_same_processes_as_the_launcher_starts() -> None:
-    """Only where they meet differs: endpoint, the run's folder, the page's host."""
+    """Only where they meet differs: endpoint, that no stranger reaches it, the run's folder, the page's host."""
     socket, page = "unixsock-stream/S", ("127.0.0.1", PAGE_PORT)
-    here = RunPlan(RUN, SCENARIO, socket, socket, endless=True, folder="F", dashboard=page, ghost=True)
+    here = RunPlan(RUN, SCENARIO, socket, (socket,), endless=True, folder="F", dashboard=page, ghost=True)
     places = ("--connect", "--listen", "--folder", "--host")
     launched = {
         service_name(program): ["python", "-m", program.module, *without(program.arguments, *places)]
         for program in programs(here, load(SCENARIO))
     }
-    assert {name: without(service["command"], *places) for name, service in services().items()} == launched
+    composed = {name: without(service["command"], *places) for name, service in services().items()}
+    assert {name: [word for word in words if word != "--insecure"] for name, words in composed.items()} == launched
 
 
 def test_commands_in_any_container_are_for_its_run() -> None:
-    expected = {"ECHELON_CONNECT": f"tcp/router:{ROUTER_PORT}", "ECHELON_RUN": RUN, "ECHELON_IN_CONTAINER": "1"}
+    expected = {"ECHELON_CONNECT": f"tcp/router:{ROUTER_PORT}", "ECHELON_RUN": RUN}
+    expected |= {"ECHELON_INSECURE": "1", "ECHELON_IN_CONTAINER": "1"}
     assert all(service["environment"] == expected for service in services().values())
 
 
@@ -142,7 +144,7 @@ def test_no_service_can_do_more_than_it_must() -> None:
 def test_every_service_is_checked_as_what_it_is() -> None:
     for program in programs(plan(SCENARIO, {}), load(SCENARIO)):
         check = services()[service_name(program)]["healthcheck"]
-        where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}"]
+        where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}", "--insecure"]
         who = ["--role", program.role, "--id", str(program.number)]
         assert check["test"] == ["CMD", "python", "-m", "network.health", *where, *who]
 

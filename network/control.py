@@ -1,59 +1,51 @@
 """The operations that a client may request of the world: one model each, named in a Request."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
-from formation.disturbances import FARTHEST as FARTHEST_PUSH
-from formation.disturbances import Kind
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
-from formation.schema import Duration, Model, NonNegative, Positive
+from formation.schema import Duration, NonNegative
 from formation.validation import problems
 from network import topics
 from network.fields import Link
+from network.interventions import MAX_SECONDS, Move, OperationModel, Push, Release, Reshape, Robot
 from network.requests import Request
 from network.values import Intervention
 
-MAX_SECONDS, FARTHEST = 1e6, 1e6
-"""Of an order [s], and of a goal [m]."""
+FARTHEST = 1e6
+"""Of a goal [m]."""
 TRACE_ROWS = 64_000
 """Rows of one robot's trace in one reply, at most: 3 MB."""
-Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
-class _Operation(Model):
-    """A request to the world, or a value of a reply. Its validator is made when the first one comes in."""
-
-    model_config = ConfigDict(defer_build=True)
-
-
-class Start(_Operation):
+class Start(OperationModel):
     """Start, or continue."""
 
 
-class Pause(_Operation):
+class Pause(OperationModel):
     """Stop simulated time after the current tick."""
 
 
-class Step(_Operation):
+class Step(OperationModel):
     """Pause, then run this many ticks."""
 
     ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
 
 
-class Reset(_Operation):
+class Reset(OperationModel):
     """Start a new episode."""
 
 
-class Speed(_Operation):
+class Speed(OperationModel):
     """Simulated seconds per second; 0 means as fast as possible."""
 
     speed: Annotated[NonNegative, Field(le=1000.0)]
 
 
-class SetFault(_Operation):
+class SetFault(OperationModel):
     """Change keys of a link's fault, for some simulated time or until further notice."""
 
     link: str = "all"
@@ -62,7 +54,7 @@ class SetFault(_Operation):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class SetPreset(_Operation):
+class SetPreset(OperationModel):
     """Give a link the fault of a preset."""
 
     link: str = "all"
@@ -70,13 +62,13 @@ class SetPreset(_Operation):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class Clear(_Operation):
+class Clear(OperationModel):
     """Remove the faults that users set on a link, and end the scheduled ones that are active now."""
 
     link: str = "all"
 
 
-class UseScenario(_Operation):
+class UseScenario(OperationModel):
     """Switch to another scenario."""
 
     scenario: str
@@ -87,40 +79,40 @@ class UseScenario(_Operation):
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
-class UseController(_Operation):
+class UseController(OperationModel):
     """Start the same scenario again with another controller."""
 
     controller: str
 
 
-class Kill(_Operation):
+class Kill(OperationModel):
     """Have the launcher kill an agent (SIGKILL); it stays down until `Restart`."""
 
     robot: Robot
 
 
-class Restart(_Operation):
+class Restart(OperationModel):
     """Have the launcher start a killed agent again, or replace a live one."""
 
     robot: Robot
 
 
-class Compare(_Operation):
+class Compare(OperationModel):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
     controller: str
     """A name that the world knows, or "off"."""
 
 
-class Stop(_Operation):
+class Stop(OperationModel):
     """End the run and its processes."""
 
 
-class GetSetup(_Operation):
+class GetSetup(OperationModel):
     """Answered by a Setup instead of a Reply."""
 
 
-class Drive(_Operation):
+class Drive(OperationModel):
     """Order a driven formation a speed and a turn rate, cut to what it can do."""
 
     v: OrderedSpeed
@@ -131,7 +123,7 @@ class Drive(_Operation):
     """Simulated time after which it slows to a stop; None: the order counts until the next one."""
 
 
-class GoTo(_Operation):
+class GoTo(OperationModel):
     """Drive the centre of a driven formation to a point, and stop there."""
 
     x: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -140,44 +132,7 @@ class GoTo(_Operation):
     """Of the point [m]."""
 
 
-class Push(_Operation):
-    """Disturb a robot's body from the next tick on."""
-
-    robot: Robot
-    kind: Kind
-    """Of formation.disturbances.PUSHES."""
-    seconds: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
-    """Simulated time after which it ends; None: until `Release` or a reset."""
-
-
-class Move(_Operation):
-    """Take a robot and carry it aside, within half a second from the next tick on."""
-
-    robot: Robot
-    dx: Annotated[FiniteFloat, Field(ge=-FARTHEST_PUSH, le=FARTHEST_PUSH)]
-    """In the world's frame [m]."""
-    dy: Annotated[FiniteFloat, Field(ge=-FARTHEST_PUSH, le=FARTHEST_PUSH)]
-    """In the world's frame [m]."""
-
-
-class Release(_Operation):
-    """End every disturbance that acts on a robot now, scheduled or not."""
-
-    robot: Robot | None = None
-    """None: of all robots."""
-
-
-class Reshape(_Operation):
-    """Change the shape, the spacing, or both, from the next tick on; a reset returns to the scenario's."""
-
-    shape: Literal["line", "column", "triangle", "square", "polygon", "wedge"] | None = None
-    spacing: Annotated[Positive, Field(le=100.0)] | None = None
-    """Between neighbours [m]."""
-    over: Annotated[Duration, Field(gt=0.0, le=MAX_SECONDS)] | None = None
-    """How long the change takes [s]; derived from the path's speed, if None."""
-
-
-class GetOrders(_Operation):
+class GetOrders(OperationModel):
     """The reply's value is an Orders: what repeats this episode so far, in parts."""
 
     tables: Annotated[int, Field(ge=0)] = 0
@@ -188,7 +143,7 @@ class GetOrders(_Operation):
     """Number of interventions to leave out, because the client has them."""
 
 
-class Orders(_Operation):
+class Orders(OperationModel):
     """What users and the schedule did to an episode: fault tables, orders of its driver, interventions."""
 
     episode: int
@@ -206,14 +161,14 @@ class Orders(_Operation):
     """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
 
-class GetTrace(_Operation):
+class GetTrace(OperationModel):
     """The reply's value holds rows of the episode's trace as bytes of float64: poses, inputs, ages; and `ticks`."""
 
     first: Annotated[int, Field(ge=0)] = 0
     """Tick from which on rows are wanted; a reply has TRACE_ROWS of them at most, divided by the number of robots."""
 
 
-class GetSummary(_Operation):
+class GetSummary(OperationModel):
     """The reply's value is the summary of the episode."""
 
     warmup: NonNegative = 0.0

@@ -54,7 +54,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"bodies", "stretch", "requests"},
         {"messages"},
         {"topics"},
-        {"codec", "control", "link"},
+        {"codec", "control", "link", "interventions"},
         {"bus", "reference", "access"},
         {"zenoh_bus", "memory_bus"},
         {"arguments"},

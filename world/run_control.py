@@ -12,6 +12,7 @@ from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
 from network.values import RunStatus
 from world.driver import Driver
 from world.presence import AgentPresence
@@ -25,10 +26,10 @@ BETWEEN_TICKS = (
     control.Step,
     control.Drive,
     control.GoTo,
-    control.Push,
-    control.Move,
-    control.Release,
-    control.Reshape,
+    Push,
+    Move,
+    Release,
+    Reshape,
 )
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 READS = (control.GetOrders, control.GetTrace, control.GetSummary)
@@ -124,7 +125,7 @@ class RunControl:
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
                 return self._drive(lambda driver: driver.go_to(world.k, x, y))
-            case control.Push() | control.Move() | control.Release() | control.Reshape():
+            case Push() | Move() | Release() | Reshape():
                 world.intervene(operation)
             case control.GetOrders(tables=tables, drives=drives, interventions=interventions):
                 return self._orders_since(tables, drives, interventions)

@@ -16,8 +16,8 @@ from formation.formation_spec import Change
 from formation.link_ids import LinkId
 from formation.scenario.reshaping import change_of, reshaped
 from formation.scenario.scenario import Scenario
-from network import control
 from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
 from network.messages import WORLD, Command, Tick
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
 from world.episode import Episode
@@ -132,13 +132,13 @@ class World(Episode):
     def intervene(self, operation: Operation) -> None:
         """Do something to the robots: push, move, release, reshape. Raises EchelonError."""
         match operation:
-            case control.Push(robot=robot, kind=kind, seconds=seconds):
+            case Push(robot=robot, kind=kind, seconds=seconds):
                 self.push(pushed(robot, kind, self.now, seconds))
-            case control.Move(robot=robot, dx=dx, dy=dy):
+            case Move(robot=robot, dx=dx, dy=dy):
                 self.push(displacement(robot, dx, dy, self.now, self.scenario.control_interval))
-            case control.Release(robot=robot):
+            case Release(robot=robot):
                 self.release(robot)
-            case control.Reshape(shape=shape, spacing=spacing, over=over):
+            case Reshape(shape=shape, spacing=spacing, over=over):
                 change = change_of(self.scenario, self.path_time, shape=shape, spacing=spacing, over=over)
                 self.reshape(change, shape or "")
             case _:

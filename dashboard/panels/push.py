@@ -13,7 +13,8 @@ from dashboard.theme.templates import render
 from formation.disturbances import FARTHEST, PUSHES, Kind
 from formation.metrics import nearest
 from formation.shapes import FIXED_SIZES, SHAPES
-from network.control import Move, Operation, Push, Release, Reshape
+from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
 
 FOR_SECONDS = 10.0
 ROWS: tuple[tuple[Kind, ...], ...] = (("gust", "slow", "stuck"), ("slippery", "blind"))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from formation.metrics import nearest
-from network.control import Push
+from network.interventions import Push
 from network.messages import State
 from runtime.precompile import ensure_compiled
 from tests.browser.browser_run import BrowserRun

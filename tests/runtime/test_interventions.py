@@ -10,7 +10,8 @@ import pytest
 from formation.errors import EchelonError
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
-from network.control import GetOrders, Move, Operation, Orders, Pause, Push, Release, Reshape, Start, Step
+from network.control import GetOrders, Operation, Orders, Pause, Start, Step
+from network.interventions import Move, Push, Release, Reshape
 from records.file import RecordFile
 from records.record import load as load_record
 from runtime.ghost.shadow import Shadow

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from formation.faults import PERFECT
 from formation.scenario.files import load as load_scenario
 from formation.scenario.scenario import Scenario
-from network.control import Drive, Push, Reshape, SetFault, Speed
+from network.control import Drive, SetFault, Speed
+from network.interventions import Push, Reshape
 from runtime.inprocess import Simulation
 from tests.exceptions import needs
 from tests.user_code import clean

@@ -6,7 +6,7 @@ from time import monotonic
 from typing import Any
 
 from dashboard.notices import Notify
-from dashboard.telemetry.subscriber import TelemetrySubscriber
+from dashboard.telemetry.feed import Source
 from formation.errors import WireError
 from network.bus import Bus
 from network.control import Clear, Operation, SetFault
@@ -23,7 +23,7 @@ POLL_SECONDS = 0.04
 class RequestQueue:
     """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, bus: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+    def __init__(self, bus: Bus, telemetry: Source, notify: Notify) -> None:
         self._bus, self._telemetry, self._notify = bus, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()
         """What is sent, and for which page; None wakes the thread for a resting value."""

@@ -9,7 +9,7 @@ import viser
 from dashboard.scene import geometry, layers, nodes
 from dashboard.scene.ghost_layer import GhostLayer
 from dashboard.telemetry.beliefs import BeliefView
-from dashboard.telemetry.history import History
+from dashboard.telemetry.feed import View
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
@@ -108,24 +108,14 @@ class Scene:
         """Of what is drawn."""
         return self._sizes
 
-    def draw(
-        self,
-        snapshot: Snapshot,
-        links: list[LinkView],
-        beliefs: list[BeliefView],
-        history: History,
-        *,
-        whole: bool,
-    ) -> None:
+    def draw(self, view: View, *, whole: bool) -> None:
         """Bring the scene up to date; call within server.atomic().
 
         Args:
-            snapshot: what is known.
-            links: health of the ring's links.
-            beliefs: of the robots.
-            history: for the trails.
+            view: the moment that is shown.
             whole: also the layers that otherwise take turns from frame to frame.
         """
+        snapshot, links = view.snapshot, view.links
         state, scenario = snapshot.state, snapshot.scenario
         if state is None or scenario is None or scenario.size != len(state.poses):
             return
@@ -140,17 +130,17 @@ class Scene:
             self._connect(snapshot.poses, links)
         trails = whole or self._frame % SLOW == 1
         if trails:
-            self._nodes["/trails"].points = geometry.segments(history.trails(snapshot.poses), self._sizes.z(2))
+            self._nodes["/trails"].points = geometry.segments(view.trails(snapshot.poses), self._sizes.z(2))
         if self._ghost is not None:
             self._ghost.allow(self._ghost_shown)
-            self._ghost.draw(history.ghost, snapshot.stamp, trails=trails)
+            self._ghost.draw(view.ghosts, snapshot.stamp, trails=trails)
         if state is not self._state:
             self._state = state
             self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)
-            self._believe(snapshot, beliefs, scenario.controller.horizon)
+            self._believe(snapshot, view.beliefs, scenario.controller.horizon)
         if whole or self._frame % SLOW == 0 or self._focus_drawn != self.focus:
             self._focus_drawn = self.focus
             self._recolour(state, links)

@@ -1,4 +1,4 @@
-"""Laws of the ledger: twenty scripted faults are each found, no row without one, and the cause is upstream of the row."""
+"""Laws of the ledger: twenty scripted faults are each found, no row without one, and the cause is upstream of it."""
 
 import itertools
 from typing import Any

@@ -42,7 +42,7 @@ class BareBus(ZenohBus):
 
 def bare_router(endpoint: str) -> None:
     """A router until its input ends."""
-    router = Router(endpoint)
+    router = Router([endpoint])
     print("ready", flush=True)
     sys.stdin.read()
     router.close()

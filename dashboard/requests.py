@@ -16,6 +16,8 @@ QUIET_SECONDS = 0.08
 """A slider that is dragged sends many values; the last one is requested once it has rested for so long [s]."""
 SETTLED_SECONDS = 0.4
 """A control of which every value would be an order of its own is left in peace for so long first [s]."""
+MOST_WAITING = 200
+"""Requests that wait; more are refused."""
 POLL_SECONDS = 0.04
 """Between two checks of the resting values and of the scenario [s]."""
 
@@ -55,6 +57,9 @@ class RequestQueue:
 
     def ask(self, operation: Operation, page: int | None) -> None:
         """Request an operation, after all earlier requests."""
+        if self._queue.qsize() > MOST_WAITING:
+            self.refuse("Not done", "Too many requests are waiting.", page)
+            return
         self._flush()
         self._queue.put((operation, page))
 

@@ -58,7 +58,11 @@ class ExportButtons:
     def _export(self, what: str, client: viser.ClientHandle | None) -> None:
         if client is None:
             return
-        with self._busy:  # one file at a time, which bounds the memory
+        if not self._busy.acquire(blocking=False):  # one at a time, which bounds the memory; nobody waits: a page that
+            # never answers would keep a thread for each of its requests, and no button would work
+            self._notify(client.client_id, "Not exported", "Another file is being made. Try again in a moment.")
+            return
+        try:
             try:
                 made = self._made(what, client)
             except Exception:
@@ -68,6 +72,8 @@ class ExportButtons:
                 self._notify(client.client_id, "Nothing to export", "There is no data yet, or the page has no view.")
             else:
                 client.send_file_download(*made, save_immediately=True)
+        finally:
+            self._busy.release()
 
     def _made(self, what: str, client: viser.ClientHandle) -> tuple[str, bytes] | None:
         """Name and content of the file."""

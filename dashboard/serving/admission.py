@@ -28,6 +28,11 @@ def answer(guard: Guard, path: str, headers: Headers, port: int) -> Response | N
     return _own_pages_only(headers) if guard.token is None else _holders_only(guard, path, headers, port)
 
 
+def too_many(pages: int) -> Response:
+    """The answer to a page that is one too many."""
+    return _plain(503, "Service Unavailable", f"expected at most {pages} pages at a time")
+
+
 def _holders_only(guard: Guard, path: str, headers: Headers, port: int) -> Response | None:
     assert guard.token is not None
     web_socket = headers.get("Upgrade", "").lower() == "websocket"

@@ -74,7 +74,7 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
     shadow.learn(
         [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
-        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
+        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape", "ring")],
     )
     shadow.resume_at(episode.resumed)
     compared = 0

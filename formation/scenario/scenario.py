@@ -30,6 +30,7 @@ from formation.scenario.any_controller import AnyController
 from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
+from formation.scenario.membership import Membership
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
@@ -67,6 +68,7 @@ class Scenario(Model):
     """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
+    membership: Membership = Membership()
     link: Fault = Fault()
     """Fault of every link that carries plans, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
@@ -105,13 +107,11 @@ class Scenario(Model):
                 links_named(fault.link, self.size, both=self.controller.uses_downstream, driven=self.driven)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
+        for line in self.membership.mistakes(self.size):
+            raise ValueError(line)
         noise, sensor = self.noise, self.bodies.localisation
-        there = {
-            "slip": self.bodies.slip,
-            "gyro": self.bodies.gyro,
-            "position": sensor.position,
-            "heading": sensor.heading,
-        }
+        there = {"slip": self.bodies.slip, "gyro": self.bodies.gyro}
+        there |= {"position": sensor.position, "heading": sensor.heading}
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")

@@ -10,11 +10,12 @@ from formation.link_ids import LinkId, plan_links
 from formation.pattern import downstream, upstream
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
-from network.control import Join, Leave
+from network.interventions import Join, Leave
 from records.record import load as read
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
 from runtime.verification import verify
+from tests.memory_run import MemoryRun
 from tests.records.recorded import record
 from world.members import Members
 from world.world import World
@@ -164,3 +165,23 @@ def test_a_record_of_it_is_verified_and_a_ghost_repeats_what_users_ask(tmp_path:
     while shadow.k < live.world.k:
         shadow.step()
     np.testing.assert_array_equal(shadow.poses, live.world.plant.poses)
+
+
+def test_live_the_ring_closes_over_an_agent_that_is_gone_and_opens_for_the_next_one() -> None:
+    settings = ["formation.robots=4", "duration=1", "membership.patience=0.1"]
+    run = MemoryRun(load("ring-16", settings))
+    run.run(60.0, lambda: run.world.k == 10)
+    run.kill_agent(2)
+    run.run(60.0, lambda: bool(run.world.away))
+    assert run.world.away == {2}
+    assert run.world.closed_at == run.world.k
+    run.run(60.0, lambda: run.world.k == 50)
+    assert {robot: process.node._agent.hears for robot, process in run.agents.items() if process.node._agent}[3] == [1]
+    run.start_agent(2)
+    run.finish()
+    assert not run.world.away
+    texts = [event.text for event in run.world.events]
+    left, joined = (
+        texts.index(text) for text in ("robot 2 leaves the ring: robot 3 hears robot 1", "robot 2 joins the ring")
+    )
+    assert texts.index("agent 2 lost") < left < joined

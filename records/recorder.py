@@ -213,7 +213,8 @@ class Recorder:
             self._draw(episode, f"{robot}/plan", status.plan, at)
         if status.held is not None:
             self._draw(episode, f"{robot}/belief", status.held, at)
-        data = messages.link(at, str(status.link), status.age, _counts(status.counts), status.solve, status.gap)
+        counts, way = _counts(status.counts), (status.way_age, status.lost)
+        data = messages.link(at, str(status.link), status.age, counts, status.solve, status.gap, way)
         self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
 
     def _draw(self, episode: _Episode, topic: str, plan: Plan, at: int) -> None:

@@ -1,7 +1,7 @@
 """A record as States and Statuses again: what the page needs of it, moment by moment, in the order of the file.
 
-A record has poses twenty times a second, errors ten, plans, beliefs and links twice; what has no message of its own stays
-as it was last. Damage is passed over, as `echelon recording repair` does it.
+A record has poses twenty times a second, plans, beliefs and links twice; what has no message of its own stays as it was
+last. Damage is passed over, as `echelon recording repair` does it.
 """
 
 import json
@@ -33,10 +33,14 @@ FRESH = 0.25
 """An age below this is taken to stay as it was until the next status; beyond, the link is silent and it grows [s]."""
 SEVERITIES = {20: "info", 30: "warning", 40: "error"}
 KINDS = ("run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive")
+ROW_NS = 95_000_000
+"""Time between two rows, at least [ns]: the page keeps ten a second."""
 SMALL = 1e-6
 """A turn that is none [rad]."""
 _FRAME_BYTES = 56
 """Translation and rotation: seven float64."""
+_FIRST_POSE, _POSE_STRIDE = 44, 72
+"""Bytes in a nav_msgs/Path whose frame is "map": before the first pose, and from one to the next."""
 
 
 class Row(NamedTuple):
@@ -63,7 +67,10 @@ class _Known:
     believes: dict[int, Believed] = field(default_factory=dict)
     statuses: dict[int, tuple[float, Status]] = field(default_factory=dict)
     """When they were written [s]."""
-    interval: float = 0.01
+    next: int = 0
+    """Time of the next row, at least [ns]."""
+    gap: float = 0.0
+    """Least distance of two bodies so far [m]."""
 
 
 def rows(path: Path) -> Iterator[Row]:
@@ -81,10 +88,11 @@ def rows(path: Path) -> Iterator[Row]:
                 known = _begin(path, values)
             case Message() if known is not None:
                 some = True
-                if item.topic == "/tf":
-                    yield _row(known, item, frames)
-                else:
+                if item.topic != "/tf":
                     _take(known, item)
+                elif item.time >= known.next:
+                    known.next = item.time + ROW_NS
+                    yield _row(known, item, frames)
             case _:
                 pass
     if known is None or not some:
@@ -92,7 +100,7 @@ def rows(path: Path) -> Iterator[Row]:
 
 
 def _wanted(topic: str) -> bool:
-    return topic in ("/tf", "/log", "/orders") or topic.rsplit("/", 1)[-1] in ("plan", "belief", "link")
+    return topic in ("/tf", "/log", "/orders", "/contacts") or topic.rsplit("/", 1)[-1] in ("plan", "belief", "link")
 
 
 def _begin(path: Path, values: dict[str, str]) -> _Known:
@@ -104,7 +112,7 @@ def _begin(path: Path, values: dict[str, str]) -> _Known:
     except (KeyError, ValueError) as error:
         raise EchelonError(f"expected metadata of an episode in {path}; got {error}") from None
     live = list(range(1, scenario.size + 1))
-    return _Known(scenario, number, mode, controller, begins, live=live, interval=scenario.control_interval)
+    return _Known(scenario, number, mode, controller, begins, live=live)
 
 
 def _take(known: _Known, message: Message) -> None:
@@ -117,11 +125,15 @@ def _take(known: _Known, message: Message) -> None:
             number = known.events[-1].number + 1 if known.events else 1
             known.events.append(Event(number, max(stamp, 0.0), kind, text, severity))  # type: ignore[arg-type]
             del known.events[:-EVENTS]
+        case "contacts":
+            _header(fields)
+            _, gap = fields.get("d"), fields.get("d")
+            known.gap = gap if known.gap == 0.0 else min(known.gap, gap)
         case "orders":
             _, _, kind, value = fields.get("Q"), fields.get("Q"), fields.text(), json.loads(fields.text())
             _order(known, kind, value)
         case "plan" | "belief" as kind:
-            path = _path(fields, known.begins)
+            path = _path(message.data, known.begins)
             if path is not None:
                 _planned(known, int(message.topic.split("/")[1].removeprefix("robot")), kind, *path)
         case "link":
@@ -135,17 +147,16 @@ def _order(known: _Known, kind: str, value: dict[str, Any]) -> None:
         known.live = [int(robot) for robot in value["answered"]]
 
 
-def _path(fields: Fields, begins: int) -> tuple[float, FloatArray] | None:
-    """When a nav_msgs/Path begins [s], and its poses (N + 1, 3)."""
+def _path(data: bytes, begins: int) -> tuple[float, FloatArray] | None:
+    """When a nav_msgs/Path begins [s], and its poses (N + 1, 3); None if it is none of ours."""
+    fields = Fields(data)
     _header(fields)
     count = fields.get("I")
-    poses, first = np.empty((count, 3)), 0
-    for i in range(count):
-        stamp = _header(fields)
-        first = stamp if i == 0 else first
-        x, y, _, _, _, sine, cosine = fields.array("d", 7).tolist()
-        poses[i] = x, y, 2.0 * np.arctan2(sine, cosine)
-    return ((first - begins) * 1e-9, poses) if count > 1 else None
+    if count < 2 or len(data) != _FIRST_POSE + _FRAME_BYTES + _POSE_STRIDE * (count - 1):
+        return None
+    first = _header(fields)
+    found = np.ndarray((count, 7), "<f8", data, _FIRST_POSE, (_POSE_STRIDE, 8))
+    return (first - begins) * 1e-9, np.column_stack([found[:, :2], 2.0 * np.arctan2(found[:, 5], found[:, 6])])
 
 
 def _planned(known: _Known, robot: int, kind: str, begins: float, poses: FloatArray) -> None:
@@ -176,7 +187,7 @@ def _link(known: _Known, robot: int, fields: Fields, stamp: float) -> None:
     solve, gap = fields.get("d"), fields.get("d")
     try:
         way_age, over = fields.get("d"), bool(fields.get("B"))
-    except Exception:  # noqa: BLE001  a record of an earlier version ends here
+    except Exception:
         way_age, over = 0.0, False
     n = known.scenario.size
     if not 1 <= robot <= n:
@@ -268,7 +279,7 @@ def _row(known: _Known, message: Message, frames: _Frames) -> Row:
         angle_errors=angle,
         tracking_error=float(tracking_error(poses, found["centre"][:2])),
         contacts=0,
-        gap=0.0,
+        gap=known.gap,
         live=list(known.live),
         stopped=[],
         faults=dict(known.faults),

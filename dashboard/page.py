@@ -14,6 +14,8 @@ from dashboard.panels.driving import DrivePanel
 from dashboard.panels.event_log import event_log
 from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
+from dashboard.panels.ledger import VERB as LEDGER
+from dashboard.panels.ledger import LedgerTab
 from dashboard.panels.link_matrix import link_matrix
 from dashboard.panels.plots import FIRST, SECOND, Chart
 from dashboard.panels.push import PushPanel
@@ -80,6 +82,7 @@ class Page:
         """Of the pages' windows [px]."""
         self._wide = True
         self._overlay: Overlay | None = None
+        self._ledger = LedgerTab(self._feed.playhead)
         self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._feed.source, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
@@ -117,6 +120,8 @@ class Page:
             self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
         with panel.add_tab("Robots", viser.Icon.ROBOT):
             self._robot_table = gui.add_html("")
+        with panel.add_tab("Ledger", viser.Icon.LIST_DETAILS):
+            self._ledger_table = gui.add_html("")
         with panel.add_tab("Log", viser.Icon.LIST):
             self._event_log = gui.add_html("")
         panel.dock_right()
@@ -159,6 +164,8 @@ class Page:
             self._view.focus_on(event.client, number)
         elif verb in ("kill", "restart") and not self._requests.possible:
             self._requests.refuse(*NO_RUN, event.client_id)
+        elif verb == LEDGER:
+            self._ledger.press(number)
         elif verb in ("kill", "restart"):
             self._agent_lifecycle.clicked(verb, number, event.client)
         else:
@@ -258,13 +265,14 @@ class Page:
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
         verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)}
-        self._clickable.set_verbs(verbs if n else {})
+        self._clickable.set_verbs({**verbs, **LedgerTab.verbs(snapshot.state)} if n else {})
         self._link_matrix.content = link_matrix(view.snapshot, view.links, self._clickable, self._faults.target)
         self._turn += 1
         if whole or self._turn % 2:  # the other tabs take turns, because they change less
             self._robot_table.content = robot_table(view.snapshot, view.links, self._clickable)
         if whole or not self._turn % 2:
             self._event_log.content = event_log(view.snapshot.state)
+            self._ledger_table.content = self._ledger.html(snapshot.state, self._clickable)
         if snapshot.state is not None:
             self._faults.draw(snapshot.state, driven=_driven(snapshot))
             self._push.draw(snapshot)

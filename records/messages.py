@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from formation.arrays import FloatArray
+from network.values import Excursion
 from records.cdr import Cdr, string
 
 MAP = "map"
@@ -236,4 +237,17 @@ def wire(key: str, payload: bytes) -> bytes:
     cdr = Cdr()
     cdr.text(key)
     cdr.octets(payload)
+    return bytes(cdr)
+
+
+def excursion(stamp: int, one: Excursion) -> bytes:
+    """echelon_msgs/Excursion; times are simulated [s], -1 for one that is not there."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.put("I", one.number)
+    cdr.put("I", one.robot)
+    for value in (one.peak, one.peak_at, one.until, one.recovery):
+        cdr.put("d", -1.0 if value is None else value)
+    cdr.text(one.cause)
+    cdr.put("d", -1.0 if one.cause_at is None else one.cause_at)
     return bytes(cdr)

@@ -110,6 +110,9 @@ class Recorder:
                 episode.event = event.number
                 at = episode.begins + round(event.stamp * 1e9)
                 self._write("/log", "rcl_interfaces/Log", at, messages.log(at, event.severity, event.kind, event.text))
+        for one in stretch.excursions:
+            at = episode.begins + round(one.at * 1e9)
+            self._write("/excursions", "echelon_msgs/Excursion", at, messages.excursion(at, one))
         if skipped >= len(poses):
             return
         self._now = stretch.stamp

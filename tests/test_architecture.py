@@ -19,7 +19,7 @@ ALLOWED = {
     "dashboard": {"formation", "network"},
     "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
     "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
-    "api": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
+    "api": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
     "cli": {"formation", "network", "agents", "world", "records", "ros", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""

@@ -31,6 +31,7 @@ from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
 from formation.scenario.membership import Membership
+from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
@@ -69,6 +70,7 @@ class Scenario(Model):
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
     membership: Membership = Membership()
+    metrics: Metrics = Metrics()
     link: Fault = Fault()
     """Fault of every link that carries plans, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
@@ -107,11 +109,9 @@ class Scenario(Model):
                 links_named(fault.link, self.size, both=self.controller.uses_downstream, driven=self.driven)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
-        for line in self.membership.mistakes(self.size):
-            raise ValueError(line)
         noise, sensor = self.noise, self.bodies.localisation
-        there = {"slip": self.bodies.slip, "gyro": self.bodies.gyro}
-        there |= {"position": sensor.position, "heading": sensor.heading}
+        of_bodies = self.bodies.slip, self.bodies.gyro, sensor.position, sensor.heading
+        there = dict(zip(("slip", "gyro", "position", "heading"), of_bodies, strict=True))
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")
@@ -119,7 +119,7 @@ class Scenario(Model):
             nominal(self.body, self.control_interval)
         except ValueError as error:
             raise ValueError(f"bodies.{error}") from None
-        for line in robots_missing(self.disturbances, self.size):
+        for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.size)):
             raise ValueError(line)
         wrong = self.offsets.crowded()
         if wrong:

@@ -7,6 +7,7 @@ enough to have the same tables of faults, and the same orders of a driver, at th
 from collections import deque
 from collections.abc import Iterable, Mapping
 
+from agents.agent import Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId
@@ -16,6 +17,7 @@ from network.messages import WORLD, Ghost
 from network.values import Intervention
 from runtime.inprocess import Simulation
 from world.run_control import with_controller
+from world.world import World
 
 
 class Shadow:
@@ -40,6 +42,13 @@ class Shadow:
         self._drives: deque[tuple[int, float, float]] = deque()
         self._interventions: deque[Intervention] = deque()
         self._resumed: list[int] = []
+        self.answers: dict[int, Answer] = {}
+        """Of the agents to the last tick."""
+
+    @property
+    def world(self) -> World:
+        """Its world."""
+        return self._simulation.world
 
     @property
     def k(self) -> int:
@@ -92,8 +101,8 @@ class Shadow:
         """Number of the tick with this stamp [s]."""
         return round(stamp / self._interval)
 
-    def step(self) -> None:
-        """Simulate one tick."""
+    def begin_tick(self) -> None:
+        """Carry out what is ordered for the tick that comes next; `step` does it too."""
         world = self._simulation.world
         while self._resumed and self._resumed[0] <= world.k:
             del self._resumed[0]
@@ -104,7 +113,17 @@ class Shadow:
             world.driver.impose(world.k, *self._drives.popleft()[1:])
         while self._interventions and self._interventions[0].tick <= world.k:
             world.repeat(self._interventions.popleft())
-        self._simulation.step()
+
+    def step(self) -> None:
+        """Simulate one tick."""
+        self.begin_tick()
+        self.answers = self._simulation.step()
+
+    def hear_statuses(self) -> None:
+        """The world hears what its agents know of their links, as at the end of an episode."""
+        world = self._simulation.world
+        for agent in self._simulation.agents.values():
+            world.hear(agent.status(max(0, world.k - 1), world.now))
 
     def message(self, seq: int) -> Ghost:
         """The Ghost message of now."""

@@ -61,6 +61,12 @@ def test_the_others_keep_their_places_and_who_joins_comes_back(driven: Simulatio
     assert np.abs(distance[-1]).max() < 5e-3
 
 
+def test_who_is_away_has_no_excursion(driven: Simulation) -> None:
+    """Nor has the robot that heard it; when it joins, it is far from its place at first."""
+    at = [excursion.at for excursion in driven.world.ledger.newest(100)]
+    assert not [time for time in at if AWAY[0] - 0.5 < time < AWAY[1] - 0.1]
+
+
 def test_only_time_in_the_ring_counts(driven: Simulation) -> None:
     whole = Simulation(load("ring-16", ["formation.robots=5", "duration=4"]))
     whole.simulate()

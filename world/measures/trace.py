@@ -14,7 +14,7 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
-from world.measures.contacts import Excursions
+from world.measures.contacts import AtLimits
 from world.measures.convergence import Convergence
 
 
@@ -142,7 +142,7 @@ class Trace:
         self,
         counts: Mapping[LinkId, LinkCounts],
         convergence: Convergence,
-        excursions: Excursions,
+        at_limits: AtLimits,
         events: Sequence[Event],
         *,
         warmup: float = 0.0,
@@ -152,7 +152,7 @@ class Trace:
         Args:
             counts: by link.
             convergence: of the agents' solvers.
-            excursions: of the robots, in the whole episode.
+            at_limits: of the robots, in the whole episode.
             events: in the order in which they happened.
             warmup: measures start at this simulated time [s].
         """
@@ -174,7 +174,7 @@ class Trace:
                     "distance_error_m": _spread(distance[self._present(i + 1, first), i]),
                     "angle_error_rad": _spread(angle[self._present(i + 1, first), i]),
                     "converged": convergence.share(i + 1),
-                    **excursions.summary(i + 1),
+                    **at_limits.summary(i + 1),
                 }
                 for i in range(scenario.size)
             },

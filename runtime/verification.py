@@ -14,6 +14,7 @@ from formation.link_ids import LinkId
 from formation.loading.load import differs
 from formation.loading.source import LOADED
 from formation.scenario.files import parse
+from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import from_text
 from network.messages import VERSION
 from network.values import Intervention
@@ -51,11 +52,16 @@ def verify(record: Record, progress: Callable[[float], None] = lambda _: None) -
     return [_verdict(number, episode, progress) for number, episode in enumerate(record.episodes, 1)]
 
 
-def check_repeatable(record: Record) -> None:
-    """Refuse a record that cannot be simulated again. Raises EchelonError with the reason."""
+def check_version(record: Record) -> None:
+    """Refuse a record of another wire. Raises EchelonError."""
     version = record.about.get("version")
     if version != str(VERSION):
         raise EchelonError(f"expected a record of wire version {VERSION}; {record.path} is of version {version}")
+
+
+def check_repeatable(record: Record) -> None:
+    """Refuse a record that cannot be simulated again. Raises EchelonError with the reason."""
+    check_version(record)
     if not record.episodes:
         raise EchelonError(f"expected an episode; {record.path} has none")
     for episode in record.episodes:
@@ -65,8 +71,8 @@ def check_repeatable(record: Record) -> None:
             )
 
 
-def shadow_of(episode: RecordedEpisode) -> Shadow:
-    """An episode at its start, with all that was ordered in it; step it on.
+def scenario_of(episode: RecordedEpisode) -> Scenario:
+    """What ran.
 
     Raises:
         EchelonError: the code of a user's own that it ran with is not here.
@@ -75,11 +81,16 @@ def shadow_of(episode: RecordedEpisode) -> Shadow:
         here = LOADED.get((code.kind, code.name))
         if here is None or here.sha256 != code.sha256:
             raise EchelonError(differs(code.kind, code.name, code.origin, code.sha256, here.sha256 if here else None))
-    scenario = parse(json.loads(episode.scenario), where="the record's scenario")
+    return parse(json.loads(episode.scenario), where="the record's scenario")
+
+
+def shadow_of(episode: RecordedEpisode) -> Shadow:
+    """An episode at its start, with all that was ordered in it; step it on. Raises EchelonError as `scenario_of`."""
+    scenario = scenario_of(episode)
     orders = episode.sorted_orders
     shadow = Shadow(scenario, scenario.controller.name, episode.number)
     shadow.learn(
-        [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
+        [(order.tick * episode.interval, table_of(order)) for order in orders if order.kind == "faults"],
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
         [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
     )
@@ -119,7 +130,8 @@ def _everybody_until(orders: list[RecordedOrder], ticks: list[int], remarks: lis
     return size.tick
 
 
-def _table(order: RecordedOrder) -> dict[LinkId, Fault]:
+def table_of(order: RecordedOrder) -> dict[LinkId, Fault]:
+    """Every link that is not perfect from this order on."""
     return {LinkId.parse(link): Fault(**fault) for link, fault in order.value.items()}
 
 

@@ -101,8 +101,8 @@ class Shadow:
         """Number of the tick with this stamp [s]."""
         return round(stamp / self._interval)
 
-    def step(self) -> None:
-        """Simulate one tick."""
+    def begin_tick(self) -> None:
+        """Carry out what is ordered for the tick that comes next; `step` does it too."""
         world = self._simulation.world
         while self._resumed and self._resumed[0] <= world.k:
             del self._resumed[0]
@@ -113,6 +113,10 @@ class Shadow:
             world.driver.impose(world.k, *self._drives.popleft()[1:])
         while self._interventions and self._interventions[0].tick <= world.k:
             world.repeat(self._interventions.popleft())
+
+    def step(self) -> None:
+        """Simulate one tick."""
+        self.begin_tick()
         self.answers = self._simulation.step()
 
     def hear_statuses(self) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.ghost_track import COLUMNS as GHOST_COLUMNS
+from dashboard.telemetry.links import age_now
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, wrapped
@@ -101,9 +102,8 @@ class Block:
         for robot, status in statuses.items():
             if 1 <= robot <= len(table) and status.episode == state.episode:
                 i, plan, found = robot - 1, status.plan, status.counts
-                silence = max(0.0, state.stamp - status.stamp)
                 lag = plan.lag if plan is not None else 0.0
-                table[i, _AGE:_OFF] = status.age + silence, status.way_age, status.solve, status.gap, lag
+                table[i, _AGE:_OFF] = age_now(state, status), status.way_age, status.solve, status.gap, lag
                 if status.lost and plan is not None and len(plan.way):
                     table[i, _END_X:] = plan.way[-1, 2:4]
                 flags[i] = _KNOWN | _LOST * status.lost | _CONVERGED * status.converged

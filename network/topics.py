@@ -12,7 +12,7 @@ from typing import Any, Literal
 from network.bodies import BodyInput, BodyPose
 from network.messages import Command, Ghost, Plan, State, Status, Tick
 from network.requests import Reply, Request, Setup
-from network.stretch import Stretch
+from network.stretch import Recording, Stretch
 from network.values import Mode
 
 Role = Literal[
@@ -140,6 +140,14 @@ STRETCH = Topic(
     reliable="lockstep",
     recorded=True,
 )
+RECORDING = Topic(
+    "recording",
+    "recording",
+    (Recording,),
+    "recorder",
+    "file, size and time of the record",
+    pace="each chunk of the record",
+)
 GHOST = Topic(
     "ghost",
     "ghost",
@@ -171,7 +179,21 @@ ASKERS: tuple[Role, ...] = ("dashboard", "operator")
 """Who gives orders; anybody in the run may ask questions."""
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, QUESTION, ALIVE)
+TOPICS = (
+    TICK,
+    PLAN,
+    COMMAND,
+    STATUS,
+    STATE,
+    STRETCH,
+    RECORDING,
+    GHOST,
+    BODY_INPUT,
+    BODY_POSE,
+    CONTROL,
+    QUESTION,
+    ALIVE,
+)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -204,6 +226,11 @@ def state(run: str) -> str:
 def stretch(run: str) -> str:
     """The world's Stretch, for recorders."""
     return STRETCH.key(run)
+
+
+def recording(run: str) -> str:
+    """The recorder's Recording."""
+    return RECORDING.key(run)
 
 
 def ghost(run: str) -> str:

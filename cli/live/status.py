@@ -29,18 +29,14 @@ def run(options: argparse.Namespace) -> None:
         name = live.run
     page = next((run.page for run in live_runs() if run.name == name), "")
     if options.json:
-        print(json.dumps({"run": name, "page": page, **_plain(state)}))
+        print(json.dumps({"run": name, "page": page, **_plain(state)}, default=dataclasses.asdict))
     else:
         _print(name, page, state)
 
 
 def _plain(state: State) -> dict[str, object]:
     fields = {field.name: getattr(state, field.name) for field in dataclasses.fields(state)}
-    fields |= {
-        "faults": {str(link): fault.plain() for link, fault in state.faults.items()},
-        "driving": dataclasses.asdict(state.driving),
-        "events": [dataclasses.asdict(event) for event in state.events],
-    }
+    fields["faults"] = {str(link): fault.plain() for link, fault in state.faults.items()}
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in fields.items()}
 
 
@@ -67,6 +63,8 @@ def _print(name: str, page: str, state: State) -> None:
         console.print(f"drives to ({driving.goal[0]:.3f}, {driving.goal[1]:.3f}) m")
     elif driving.orders:
         console.print(f"driven at {driving.v:.3g} m/s, {driving.omega:.3g} rad/s")
+    if state.recording is not None:
+        console.print(f"recorded in {state.recording.file}: {state.recording.bytes / 1e6:.1f} MB", markup=False)
     for link, fault in sorted(state.faults.items()):
         console.print(f"link {link}: {fault.words()}", markup=False)
     for event in state.events[-5:]:

@@ -58,7 +58,7 @@ class Contacts:
         return {"contacts": self.count, "clearance_m": self.clearance, "gap_m": self.gap}
 
 
-class Excursions:
+class AtLimits:
     """For how long each robot stood at a limit, kept off others, and was outside the arena."""
 
     def __init__(self, scenario: Scenario) -> None:

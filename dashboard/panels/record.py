@@ -18,8 +18,8 @@ class RecordPanel:
 
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         """A button in the current container of the page."""
-        self._button = gui.add_button(START, icon=viser.Icon.PLAYER_RECORD, hint=HINT)
         self._note = gui.add_html("")
+        self._button = gui.add_button(START, icon=viser.Icon.PLAYER_RECORD, hint=HINT)
         self._drawn = ""
         self._button.on_click(
             lambda event: requests.ask(Record(on=self._button.label == START), event.client and event.client.client_id)

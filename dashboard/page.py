@@ -17,7 +17,8 @@ from dashboard.panels.faults import FaultPanel
 from dashboard.panels.ledger import VERB as LEDGER
 from dashboard.panels.ledger import LedgerTab
 from dashboard.panels.link_matrix import link_matrix
-from dashboard.panels.plots import FIRST, SECOND, Chart
+from dashboard.panels.network import NetworkTab
+from dashboard.panels.plots import BELIEF, FIRST, SECOND, Chart
 from dashboard.panels.push import PushPanel
 from dashboard.panels.record import RecordPanel
 from dashboard.panels.robot_table import robot_table
@@ -83,7 +84,7 @@ class Page:
         """Of the pages' windows [px]."""
         self._wide = True
         self._overlay: Overlay | None = None
-        self._ledger = LedgerTab(self._feed.playhead)
+        self._ledger, self._network = LedgerTab(self._feed.playhead), NetworkTab(self._feed)
         self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._feed.source, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
@@ -116,15 +117,18 @@ class Page:
 
     def _add_right_panel(self, gui: viser.GuiApi) -> None:
         panel = gui.add_panel()
-        with panel.add_tab("Live", viser.Icon.CHART_LINE):
+        with panel.add_tab("Live"):  # five tabs fit in a row without icons only
             first = [Chart(gui, plot) for plot in FIRST]
             self._link_matrix = gui.add_html("")
             self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
-        with panel.add_tab("Robots", viser.Icon.ROBOT):
+        with panel.add_tab("Robots"):
             self._robot_table = gui.add_html("")
-        with panel.add_tab("Ledger", viser.Icon.LIST_DETAILS):
+        with panel.add_tab("Network"):
+            self._network_cards = gui.add_html("")
+            self._charts.append(Chart(gui, BELIEF))
+        with panel.add_tab("Ledger"):
             self._ledger_table = gui.add_html("")
-        with panel.add_tab("Log", viser.Icon.LIST):
+        with panel.add_tab("Log"):
             self._event_log = gui.add_html("")
         panel.dock_right()
         self._right = panel
@@ -272,6 +276,7 @@ class Page:
         self._turn += 1
         if whole or self._turn % 2:  # the other tabs take turns, because they change less
             self._robot_table.content = robot_table(view.snapshot, view.links, self._clickable)
+            self._network_cards.content = self._network.html(view, self._clickable, self._faults.target)
         if whole or not self._turn % 2:
             self._event_log.content = event_log(view.snapshot.state)
             self._ledger_table.content = self._ledger.html(snapshot.state, self._clickable)

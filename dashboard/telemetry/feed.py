@@ -122,7 +122,7 @@ class Feed:
             self._kept = state, scenario is not None
             self._links = ring_links(state, snapshot.statuses)
             if scenario is not None:
-                self.history.add(state, self._links, snapshot.statuses)
+                self.history.add(state, self._links, snapshot.statuses, self._beliefs)
                 self.export_buffer.add(state, self._links, snapshot.statuses, snapshot.origin)
                 ghost = self.history.ghost.poses(state.stamp) if state.compare else None
                 self.tape.add(state, scenario, snapshot.statuses, self._beliefs, ghost, snapshot.origin)

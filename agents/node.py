@@ -16,7 +16,19 @@ from formation.errors import ScenarioError, WireError
 from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
 from network import topics
-from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
+from network.bus import (
+    Action,
+    Announce,
+    Appear,
+    Ask,
+    Incoming,
+    Publish,
+    Reject,
+    Response,
+    Sample,
+    Subscribe,
+    Unsubscribe,
+)
 from network.codec import decode
 from network.control import GetSetup, request
 from network.messages import WORLD, Plan, Status, Tick
@@ -199,6 +211,9 @@ class AgentNode:
         if held is None:
             self._begin(setup)
             self.state = State.IDLE
+            for topic in (topics.PLAN, topics.COMMAND, topics.STATUS):
+                reliable = topic.is_reliable(setup.mode)
+                self._actions.append(Announce(topic.key(self._run, self._robot), reliable))
             self._actions.append(Appear("agent", self._robot))
         elif setup.episode == held.episode:
             if (setup.revision, setup.stamp) < (held.revision, held.stamp):

@@ -96,7 +96,7 @@ PLAN = Topic(
     "pose, body velocities over the horizon, delay, estimated disturbance, raw measurements, who needs the others to "
     "wait",
     pace="each planning tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 COMMAND = Topic(
@@ -106,7 +106,7 @@ COMMAND = Topic(
     "agent",
     "v, omega, age of the plan used, solve time, whether the solver converged",
     pace="each tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 STATUS = Topic(
@@ -116,7 +116,7 @@ STATUS = Topic(
     "agent",
     "its newest plan, the newest that it received, age and counts of its link, solve time, Nash gap",
     rate=10.0,
-    reliable="always",
+    reliable="lockstep",
     stale=0.25,
     recorded=True,
 )

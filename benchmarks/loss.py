@@ -1,6 +1,6 @@
 """Two hosts with a lossy cable between them, in real time: ages of plans, and whether the formation lasts.
 
-python -m benchmarks.loss [--transport udp|tcp] [--loss 20] [--seconds 15] [--runs 1] [--json]
+python -m benchmarks.loss [--transport quic|udp|tcp] [--loss 20] [--seconds 15] [--runs 1] [--json]
 
 Wants root, iproute2 and nftables: hosts are network namespaces. Robot 1's agent, the world and the router are on one
 host, the agents of robots 2 and 3 on the other, and of what that one sends so much is lost. `age` are the ages of the
@@ -42,7 +42,7 @@ SETTLE_SECONDS = 3.0
 WHOLE, WHOLE_SECONDS = 0.01, 5.0
 """Largest distance error of a formation that is whole [m], and time for that after the loss has ended [s]."""
 Found = TypeVar("Found")
-_JOIN = re.compile(r"echelon join (\S+) (\S+)")
+_JOIN = re.compile(r"echelon join (.+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +66,10 @@ def measure(transport: str, percent: int, seconds: float) -> Result:
         logs = Path(folder) / "up", Path(folder) / "join"
         with logs[0].open("w") as up, logs[1].open("w") as joined:
             words = ("--run", RUN, "--no-dashboard", "--realtime", "--agents", "1", "--listen", here.address)
-            here.start(up, "up", SCENARIO, *words, "--transport", transport)
+            words += ("--transport", "tcp" if transport == "tcp" else "udp")
+            here.start(up, "up", SCENARIO, *words, *(["--insecure"] if transport == "udp" else []))
             found = _until(lambda: _JOIN.search(logs[0].read_text()), logs[0])
-            there.start(joined, "join", *found.groups())
+            there.start(joined, "join", *found[1].split())
             _until(lambda: logs[0].read_text().count(" is here") >= SIZE, logs[0])
             with ZenohBus(f"unixsock-stream/{here.runs}/{RUN}/router.sock", RUN) as bus:
                 return _observe(bus, here, transport, percent, seconds)
@@ -142,7 +143,7 @@ def _until(look: Callable[[], Found | None], log: Path) -> Found:
 def main() -> int:
     """Print the figures of each run. Exit code 1 if a formation did not last."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--transport", choices=["udp", "tcp"], default="udp")
+    parser.add_argument("--transport", choices=["quic", "udp", "tcp"], default="quic")
     parser.add_argument("--loss", type=int, default=20, metavar="PERCENT")
     parser.add_argument("--seconds", type=float, default=15.0, help="that are measured")
     parser.add_argument("--runs", type=int, default=1)

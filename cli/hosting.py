@@ -27,7 +27,7 @@ def add_hosting(parser: argparse.ArgumentParser) -> None:
         "--transport",
         choices=["tcp", "udp"],
         default="tcp",
-        help="of agents on other hosts; udp: what is lost stays lost, with --realtime (encrypted as well)",
+        help="of other hosts' agents; udp: what is lost stays lost (QUIC; plain with --insecure), for --realtime",
     )
     parser.add_argument("--insecure", action="store_true", help=f"with --listen, without keys: {INSECURE}")
 
@@ -42,8 +42,6 @@ def hosting(options: argparse.Namespace) -> Hosting:
         return {"listening": None, "here": None}
     if options.transport == "udp" and not options.realtime:
         raise EchelonError("--transport udp: expected --realtime; in lockstep nothing may be lost")
-    if options.transport == "udp" and options.insecure:
-        raise EchelonError("--transport udp: expected no --insecure; it is encrypted")
     here = None if options.agents is None else parsed(options.agents)
     return {"listening": Listening.at(options.listen, options.transport, insecure=options.insecure), "here": here}
 
@@ -56,7 +54,8 @@ def tell_how_to_join(live: LiveRun, wish: Hosting) -> None:
     where = listening.named
     if live.reception is None:
         tell(f"--insecure: nothing is encrypted, and whoever reaches {where} can read and command the robots")
-        tell(f"on another host: echelon join {where} --insecure")
+        udp = " --transport udp" if listening.transport == "udp" else ""
+        tell(f"on another host: echelon join {where} --insecure{udp}")
     elif wish["here"] is not None:
         tell(f"on another host: echelon join {where} {live.reception.invite('agents')}")
         tell("the code is good once, for ten minutes; another one: echelon invite agents|operator|observer")

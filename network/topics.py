@@ -172,6 +172,7 @@ ASKERS: tuple[Role, ...] = ("dashboard", "operator")
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
 TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, QUESTION, ALIVE)
+OF_AGENTS = (PLAN, COMMAND, STATUS)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 

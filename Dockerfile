@@ -1,7 +1,12 @@
 # One image for every process of a run; compose.yaml says which process a container is.
 FROM python:3.11-slim
 WORKDIR /opt/echelon
-COPY pyproject.toml constraints.txt README.md ./
+# Dependencies first: a changed line of ours downloads nothing.
+COPY pyproject.toml constraints.txt ./
+RUN python -c "import tomllib; p = tomllib.load(open('pyproject.toml', 'rb')); \
+print(*p['build-system']['requires'], *p['project']['dependencies'], sep='\n')" > /tmp/dependencies.txt \
+    && pip install --no-cache-dir -c constraints.txt -r /tmp/dependencies.txt
+COPY README.md ./
 COPY formation formation
 COPY network network
 COPY agents agents
@@ -17,11 +22,14 @@ COPY echelon.py echelon.py
 COPY echelon-stubs echelon-stubs
 COPY scenarios scenarios
 COPY studies studies
-RUN pip install --no-cache-dir -c constraints.txt .
+RUN pip install --no-cache-dir --no-deps --no-build-isolation .
 # From here on nothing is imported from the copied folders: the packages are installed.
 WORKDIR /tmp
-# The solver is compiled here, once; containers copy it to their /tmp, because their root is read-only.
+# The solver is compiled here, and again only when its own text changes; containers copy it to their /tmp, because their
+# root is read-only.
 ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
-RUN ECHELON_CACHE=/opt/kernels python -c "from runtime.precompile import ensure_compiled; ensure_compiled(print)"
-RUN mkdir /records && chown 10001:10001 /records
+RUN --mount=type=cache,target=/kernels \
+    ECHELON_CACHE=/kernels python -c "from runtime.precompile import ensure_compiled; ensure_compiled(print)" \
+    && cp -r /kernels /opt/kernels
+RUN mkdir /records /var/lib/echelon && chown 10001:10001 /records /var/lib/echelon
 USER 10001:10001

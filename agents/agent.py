@@ -64,7 +64,9 @@ class Agent:
         self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
-        self._estimator: Estimator = LatestPose(scenario) if raw else self._filter(scenario)
+        hears = {"sees": own.uses_sight, "listens": own.uses_plans}
+        window = None if raw else WindowEstimator(scenario, self._task, self._motors, **hears)
+        self._estimator: Estimator = window or LatestPose(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors)
@@ -79,10 +81,6 @@ class Agent:
         self._acting, self._fresh = 0.0, True
         self._solves: list[float] = []
 
-    def _filter(self, scenario: Scenario) -> WindowEstimator:
-        own = scenario.controller
-        return WindowEstimator(scenario, self._task, self._motors, sees=own.uses_sight, listens=own.uses_plans)
-
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
         for receiver in self._receivers:
@@ -91,6 +89,12 @@ class Agent:
         self._avoidance.set_faults(faults)
         if self._driver:
             self._driver.set_faults(faults)
+
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """From tick k on the formation has the offsets of this scenario; before it they are the same."""
+        self._task.reshape(scenario, k)
+        if self._driver:
+            self._driver.reshape(k, scenario)
 
     @property
     def hears(self) -> list[int]:
@@ -191,12 +195,9 @@ class Agent:
         """Decide what to do, and say it."""
         task, at = self._task, k + self._motors.delay
         begins = stamp + self._motors.delay * task.tick
-        slot, tail = task.slot(at, 1)
-        belief = self._receivers[0].belief
+        belief, (slot, tail) = self._receivers[0].belief, task.slot(at, 1)
         aged = belief.aged(begins, slot, tail) if self._ages else belief.as_if_fresh(slot, tail)
-        other = None
-        if len(self._receivers) > 1:
-            other = self._receivers[1].belief.aged(begins, *task.slot(at, 3))
+        other = self._receivers[1].belief.aged(begins, *task.slot(at, 3)) if len(self._receivers) > 1 else None
         observation = self.observation = Observation(
             at,
             own.pose,
@@ -294,7 +295,6 @@ class Agent:
             return 0.0
         _, solution, own, _ = self._last
         at = k + self._motors.delay
-        slot, tail = self._task.slot(at, 1)
-        other = self._receivers[0].belief.aged(stamp + self._motors.delay * self._task.tick, slot, tail)
-        poses = np.concatenate([own, other.pose])
-        return self._game.gap(at, poses, np.hstack([solution.inputs, other.inputs]))
+        begins = stamp + self._motors.delay * self._task.tick
+        other = self._receivers[0].belief.aged(begins, *self._task.slot(at, 1))
+        return self._game.gap(at, np.concatenate([own, other.pose]), np.hstack([solution.inputs, other.inputs]))

@@ -35,6 +35,12 @@ class DriverReceiver:
         """The receiver of a robot; None unless it is the one that is driven."""
         return cls(scenario) if robot == DRIVING.receiver and isinstance(scenario.path, Driven) else None
 
+    def reshape(self, k: int, scenario: Scenario) -> None:
+        """From tick k on the formation has the offsets of this scenario."""
+        self._law = scenario.law
+        if self._track is not None:
+            self._track.obey(k, self._law)
+
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the fault of the link from now on; a link that is not named is perfect."""
         self._link.fault = faults.get(self._link.id, PERFECT)

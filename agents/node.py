@@ -14,6 +14,7 @@ from agents.controllers.own import check_loaded
 from agents.states import TABLE, Event, Output, State
 from formation.errors import ScenarioError, WireError
 from formation.scenario.registry import register_unloaded
+from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import (
@@ -250,8 +251,12 @@ class AgentNode:
 
     def _renew(self, setup: Setup) -> None:
         """Another revision of the episode, or the same as of now."""
-        if self._agent is not None:
-            self._agent.set_faults(setup.faults)
+        agent, scenario, held = self._agent, self._scenario, self._setup
+        if agent is not None and scenario is not None:
+            agent.set_faults(setup.faults)
+            known = held.changes if held is not None and held.episode == setup.episode else []
+            if setup.changes != known:
+                agent.reshape(with_changes(scenario, setup.changes), round(setup.stamp / scenario.control_interval))
         self._setup = setup
         if self._tick is not None and self._tick.revision < setup.revision:
             self._tick = None  # the world is past it

@@ -144,11 +144,15 @@ class Result:
         )
 
 
-def read(file: str | Path) -> Result:
-    """The result that `Result.to_parquet` wrote.
+def read(file: str | Path, *, episode: int = -1) -> Result:
+    """The result that `Result.to_parquet` wrote, or that of a record of a lockstep run (.mcap).
+
+    Args:
+        file: to read.
+        episode: of a record, from 0; by default the last one. It is simulated again, and compared with the record.
 
     Raises:
-        EchelonError: the file is none.
+        EchelonError: the file is none, or the record cannot be simulated again.
 
     Example:
         >>> import echelon, tempfile
@@ -157,9 +161,19 @@ def read(file: str | Path) -> Result:
         >>> again.trajectory_sha256 == result.trajectory_sha256
         True
     """
+    if Path(file).suffix == ".mcap":
+        from records.record import load  # noqa: PLC0415  of records only
+        from runtime.repetition import repeat  # noqa: PLC0415  numba
+
+        found = repeat(load(Path(file)), episode)
+        return Result(found.scenario, found.poses, found.inputs, found.ages, found.summary)
+    return _read_parquet(str(file))
+
+
+def _read_parquet(name: str) -> Result:
+    """The result that `Result.to_parquet` wrote. Raises EchelonError: the file is none."""
     import duckdb  # noqa: PLC0415  a quarter of a second
 
-    name = str(file)
     try:
         pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [name]).fetchall())
         kept = json.loads(pairs[ABOUT.encode()])

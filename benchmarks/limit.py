@@ -129,6 +129,10 @@ class JointTeam:
     def see(self, k: int, poses: FloatArray) -> None:
         """True poses; not used."""
 
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """The law is of one shape."""
+        raise NotImplementedError
+
     def member(self, robot: int) -> Controller:
         """One robot's part."""
         return Member(self._joint, robot)

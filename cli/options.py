@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -25,6 +26,10 @@ from runtime.user_code import named
 DEFAULT_SCENARIO = "triangle-circle"
 CONNECT_SECONDS = 2.0
 """Longest wait for the router of a run [s]: it is there, or about to come back after it was killed."""
+
+
+CONNECT, RUN, WITHOUT_KEYS = "ECHELON_CONNECT", "ECHELON_RUN", "ECHELON_INSECURE"
+"""Environment variables for the router and the name of the run that commands are for, and for --insecure."""
 
 
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
@@ -159,13 +164,16 @@ def add_run(parser: argparse.ArgumentParser) -> None:
 
 def session(options: argparse.Namespace, *, orders: bool = False) -> ZenohBus:
     """A session with the run that the options name, to give orders or only to listen. Raises EchelonError."""
-    if options.connect is not None and protocol(options.connect) in (*OPEN, LOCAL):
-        run = options.run or "echelon"
-        return ZenohBus(options.connect, run, insecure=options.insecure, patience=CONNECT_SECONDS)
-    if options.connect is not None:
+    endpoint, insecure = options.connect, options.insecure
+    if endpoint is None and options.run is None and CONNECT in os.environ:
+        endpoint, insecure = os.environ[CONNECT], insecure or bool(os.environ.get(WITHOUT_KEYS))
+    if endpoint is not None and protocol(endpoint) in (*OPEN, LOCAL):
+        run = options.run or os.environ.get(RUN) or "echelon"
+        return ZenohBus(endpoint, run, insecure=insecure, patience=CONNECT_SECONDS)
+    if endpoint is not None:
         from runtime.hosts.distant import connect  # noqa: PLC0415  cryptography costs other commands 0.1 s
 
-        return connect(options.connect.removeprefix("tls/"), options.code, orders=orders, patience=CONNECT_SECONDS)
+        return connect(endpoint.removeprefix("tls/"), options.code, orders=orders, patience=CONNECT_SECONDS)
     found = find(options.run)
     return ZenohBus(found.endpoint, found.name, patience=CONNECT_SECONDS)
 

@@ -7,6 +7,7 @@ import viser
 
 from dashboard.notices import Notice, Notices
 from dashboard.overlay.overlay import Overlay
+from dashboard.overlay.time_line import TimeLine
 from dashboard.panels.agent_lifecycle import AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.driving import DrivePanel
@@ -15,6 +16,7 @@ from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.link_matrix import link_matrix
 from dashboard.panels.plots import FIRST, SECOND, Chart
+from dashboard.panels.push import PushPanel
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
@@ -22,11 +24,7 @@ from dashboard.requests import RequestQueue
 from dashboard.scenario_list import ScenarioList
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
-from dashboard.telemetry.beliefs import BeliefView, beliefs
-from dashboard.telemetry.export_buffer import ExportBuffer
-from dashboard.telemetry.history import History
-from dashboard.telemetry.links import LinkView, ring_links
-from dashboard.telemetry.origin import Localiser
+from dashboard.telemetry.feed import Feed, View
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from dashboard.theme.palette import DARK, Palette
@@ -34,7 +32,6 @@ from dashboard.theme.templates import style_element
 from dashboard.theme.titlebar import apply_theme
 from network.bus import Bus
 from network.lifetime import Lifetime
-from network.messages import State
 from network.throttled_log import ThrottledLog
 
 FRAME = 1.0 / 30.0
@@ -46,8 +43,7 @@ UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
 """While no page is open: between two frames, and between two states that are kept for plots and export [s]."""
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
-BELIEF_INTERVAL = 0.09
-"""Between two updates of the panels, of the plots, and of what robots believe [s]."""
+"""Between two updates of the panels and of the plots [s]."""
 WIDE = 1400
 """Pages that are narrower than this get narrower panels [px]."""
 PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
@@ -67,26 +63,20 @@ class Page:
         """
         self._server = server
         self._scenarios = scenarios or ScenarioList()
-        self._telemetry = TelemetrySubscriber(bus)
+        self._feed = Feed(TelemetrySubscriber(bus))
         self._widths: dict[int, int] = {}
         """Of the pages' windows [px]."""
         self._wide = True
         self._overlay: Overlay | None = None
         self._notices = Notices(self._show_notice)
-        self._requests = RequestQueue(bus, self._telemetry, self._notices.notify)
+        self._requests = RequestQueue(bus, self._feed.source, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
-        self._localiser = Localiser()
-        self._history = History()
-        self._export_buffer = ExportBuffer()
         self._cameras = Cameras(server)
-        self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked)
+        self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked, on_drag=self._dragged)
         self._errors = ThrottledLog()
-        self._panels_drawn_at = self._plots_drawn_at = self._believed_at = 0.0
+        self._panels_drawn_at = self._plots_drawn_at = 0.0
         self._panels_key: tuple[object, ...] = ()
         """Of the panels as last drawn: they are drawn at once when it changes."""
-        self._kept: tuple[State, bool] | None = None
-        self._links: list[LinkView] = []
-        self._beliefs: list[BeliefView] = []
         self._palette = DARK
         self._turn = 0
         apply_theme(server.gui, self._palette)
@@ -97,11 +87,13 @@ class Page:
         gui.add_html(style_element())
         self._run = RunPanel(gui, self._requests, self._scenarios)
         self._drive = DrivePanel(self._server, self._requests)
+        self._push = PushPanel(gui, self._requests)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
-        self._export = ExportButtons(gui, run, self._export_buffer, lambda: self._palette, self._notices.notify)
+        self._export = ExportButtons(gui, run, self._feed.export_buffer, lambda: self._palette, self._notices.notify)
         self._clickable = Clickable(gui, self._clicked)
         self._overlay = Overlay(self._server, self._told)
+        self._time_line = TimeLine(gui, self._feed)
         gui.main_panel.dock_left()
         self._server.on_client_disconnect(self._closed)
 
@@ -139,6 +131,10 @@ class Page:
 
     def _robot_clicked(self, client: viser.ClientHandle, robot: int) -> None:
         self._view.focus_on(client, robot)
+        self._push.choose(robot)
+
+    def _dragged(self, robot: int, event: viser.SceneNodeDragEvent[Any]) -> None:
+        self._push.dragged(robot, event)
 
     def _link_clicked(self, sender: int) -> None:
         self._faults.choose("link", sender)
@@ -167,23 +163,25 @@ class Page:
                 if wide != self._wide:
                     self._wide = wide
                     self._set_widths()
+            case _:
+                self._feed.playhead.tell(words)
 
     # ------------------------------------------------------------------ the loop
 
     def serve(self, lifetime: Lifetime) -> None:
         """Keep the page up to date until the lifetime is over; a frame that raises is logged and left out."""
-        self._telemetry.start()
+        self._feed.source.start()
         self._requests.start()
         due, robots = monotonic(), 0
         while not lifetime.over:
             try:
-                robots = self._frame() if self._due else len(self._keep()[0].poses)
+                robots = self._frame() if self._due else len(self._feed.now().snapshot.poses)
             except Exception:
                 self._errors.add_exception("drawing a frame")
             due = max(due + self._pause(robots), monotonic())
             sleep(max(0.0, due - monotonic()))
         self._requests.stop()
-        self._telemetry.stop()
+        self._feed.source.stop()
 
     @property
     def _watched(self) -> bool:
@@ -200,81 +198,69 @@ class Page:
             return UNWATCHED_PAUSE
         return MANY_ROBOTS_FRAME if robots > MANY_ROBOTS else FRAME
 
-    def _keep(self) -> tuple[Snapshot, list[LinkView]]:
-        """What is known now, after adding it to what plots and export are made from."""
-        snapshot = self._localiser.local(self._telemetry.snapshot())
-        state, known = snapshot.state, snapshot.scenario is not None
-        if state is not None and known:
-            self._history.ghost.update(state, snapshot.ghosts)
-        if state is not None and self._kept != (state, known):
-            self._kept = state, known
-            self._links = ring_links(state, snapshot.statuses)
-            if known:
-                self._history.add(state, self._links, snapshot.statuses)
-                self._export_buffer.add(state, self._links, snapshot.statuses, snapshot.origin)
-        return snapshot, self._links
-
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
-        snapshot, links = self._keep()
-        state, whole = snapshot.state, not self._watched
-        if monotonic() - self._believed_at >= BELIEF_INTERVAL:
-            self._believed_at, self._beliefs = monotonic(), _beliefs(snapshot)
+        live, whole = self._feed.now(), not self._watched
+        view = self._feed.shown(live)
+        snapshot = view.snapshot
+        state = snapshot.state
         with self._server.atomic():
             self._scene.set_palette(self._palette)
-            self._scene.draw(snapshot, links, self._beliefs, self._history, whole=whole)
-            now, key = monotonic(), self._key(snapshot)
+            self._scene.draw(view, whole=whole)
+            now, key = monotonic(), self._key(live, view)
             panels = now - self._panels_drawn_at >= PANEL_INTERVAL or key != self._panels_key
             if panels:
-                self._draw_panels(snapshot, links, whole=whole or key != self._panels_key)
+                self._draw_panels(live, view, whole=whole or key != self._panels_key)
                 self._panels_drawn_at, self._panels_key = now, key
             if whole or (not panels and now - self._plots_drawn_at >= PLOT_INTERVAL):
                 self._plots_drawn_at = now
-                series = self._history.series()
-                for chart in self._charts:
-                    chart.draw(series, ghost=bool(state and state.compare))
+                self._draw_plots(view)
         if state is not None and snapshot.scenario is not None and len(snapshot.poses) == snapshot.scenario.size:
             self._cameras.update(snapshot.scenario, snapshot.poses, state.live)
         return len(snapshot.poses)
 
-    def _key(self, snapshot: Snapshot) -> tuple[object, ...]:
+    def _draw_plots(self, view: View) -> None:
+        series, state = self._feed.series(view), view.snapshot.state
+        cursor = None if view.place is None else view.place.stamp
+        for chart in self._charts:
+            chart.draw(series, ghost=bool(state and state.compare), cursor=cursor)
+
+    def _key(self, live: View, view: View) -> tuple[object, ...]:
         """What users see at once when it changes; the rest of the panels is drawn every PANEL_INTERVAL."""
-        state = snapshot.state
-        page = (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus)
+        snapshot, state = live.snapshot, live.snapshot.state
+        place = None if view.place is None or self._feed.playhead.playing else view.place
+        page = (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus, place)
         if state is None:
             return page
         newest = state.events[-1].number if state.events else 0
         run = (state.episode, state.revision, state.status, state.speed, state.compare, newest)
         return (*page, *run, tuple(state.dismissed), tuple(state.live))
 
-    def _draw_panels(self, snapshot: Snapshot, links: list[LinkView], *, whole: bool) -> None:
-        self._run.draw(snapshot, links, self._history)
+    def _draw_panels(self, live: View, view: View, *, whole: bool) -> None:
+        """Draw what belongs to the moment that is looked at, and controls as the run has them now."""
+        snapshot = live.snapshot
+        self._run.draw(live, view, self._feed.history)
         self._drive.draw(snapshot)
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
         verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)}
         self._clickable.set_verbs(verbs if n else {})
-        self._link_matrix.content = link_matrix(snapshot, links, self._clickable, self._faults.target)
+        self._link_matrix.content = link_matrix(view.snapshot, view.links, self._clickable, self._faults.target)
         self._turn += 1
         if whole or self._turn % 2:  # the other tabs take turns, because they change less
-            self._robot_table.content = robot_table(snapshot, links, self._clickable)
+            self._robot_table.content = robot_table(view.snapshot, view.links, self._clickable)
         if whole or not self._turn % 2:
-            self._event_log.content = event_log(snapshot.state)
+            self._event_log.content = event_log(view.snapshot.state)
         if snapshot.state is not None:
             self._faults.draw(snapshot.state, driven=_driven(snapshot))
+            self._push.draw(snapshot)
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
         self._export.update(snapshot)
         if self._overlay is not None:
-            self._overlay.draw(snapshot, links, self._beliefs, self._scene.sizes)
-        self._notices.update(snapshot, links)
-
-
-def _beliefs(snapshot: Snapshot) -> list[BeliefView]:
-    state, scenario = snapshot.state, snapshot.scenario
-    if state is None or scenario is None:
-        return []
-    return beliefs(state, snapshot.statuses, snapshot.poses, snapshot.stamp, scenario.controller.prediction_interval)
+            self._overlay.draw(view, self._scene.sizes)
+        self._time_line.draw(live, view)
+        self._notices.update(snapshot, live.links)
 
 
 def _driven(snapshot: Snapshot) -> bool:

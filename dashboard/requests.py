@@ -6,7 +6,7 @@ from time import monotonic
 from typing import Any
 
 from dashboard.notices import Notify
-from dashboard.telemetry.subscriber import TelemetrySubscriber
+from dashboard.telemetry.feed import Source
 from formation.errors import WireError
 from network.bus import Bus
 from network.control import Clear, Operation, SetFault
@@ -14,6 +14,8 @@ from network.throttled_log import ThrottledLog
 
 QUIET_SECONDS = 0.08
 """A slider that is dragged sends many values; the last one is requested once it has rested for so long [s]."""
+SETTLED_SECONDS = 0.4
+"""A control of which every value would be an order of its own is left in peace for so long first [s]."""
 POLL_SECONDS = 0.04
 """Between two checks of the resting values and of the scenario [s]."""
 
@@ -21,7 +23,7 @@ POLL_SECONDS = 0.04
 class RequestQueue:
     """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, bus: Bus, telemetry: TelemetrySubscriber, notify: Notify) -> None:
+    def __init__(self, bus: Bus, telemetry: Source, notify: Notify) -> None:
         self._bus, self._telemetry, self._notify = bus, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()
         """What is sent, and for which page; None wakes the thread for a resting value."""
@@ -32,6 +34,8 @@ class RequestQueue:
         """When they are sent, for how long the change holds [s], and the page."""
         self._steering: tuple[Operation, int | None] | None = None
         """The newest order that is not sent yet, and the page; an older one is of no use."""
+        self._settling: dict[str, tuple[float, Operation, int | None]] = {}
+        """By control: when its newest value is sent, as what, and the page."""
         self._errors = ThrottledLog()
         self._over = False
         self._thread = threading.Thread(target=self._work, name="requests", daemon=True)
@@ -60,6 +64,18 @@ class RequestQueue:
             waits, self._steering = self._steering is not None, (operation, page)
         if not waits:
             self._queue.put(None)
+
+    def settle(self, control: str, operation: Operation, page: int | None) -> None:
+        """Request an operation once no other has come from this control for SETTLED_SECONDS."""
+        with self._lock:
+            self._settling[control] = (monotonic() + SETTLED_SECONDS, operation, page)
+
+    def _send_settled(self) -> None:
+        with self._lock:
+            due = [control for control, (at, _, _) in self._settling.items() if at <= monotonic()]
+            settled = [self._settling.pop(control)[1:] for control in due]
+        for operation, page in settled:
+            self._queue.put((operation, page))
 
     def change(
         self,
@@ -105,6 +121,7 @@ class RequestQueue:
                 self._errors.add_exception("asking the world")
 
     def _next(self) -> None:
+        self._send_settled()
         left = self._rest[0] - monotonic() if self._resting else POLL_SECONDS
         if left <= 0.0:
             self._flush()

@@ -60,6 +60,10 @@ class Offsets:
         picked._moves = tuple(_Move(move.at, move.over, move.way[at], move.reassigned) for move in self._moves)
         return picked
 
+    def after(self, t: float) -> FloatArray:
+        """Offsets (n, 2) once the changes that have begun by time t are over [m]."""
+        return self._start + sum((move.way for move in self._moves if move.at <= t), np.zeros_like(self._start))
+
     @property
     def size(self) -> int:
         """Number of robots."""
@@ -105,7 +109,7 @@ def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
     for change in formation.changes:
         there = change.array_for(len(here))
         if change.reassign:
-            there = there[_assignment(here, there)]
+            there = there[assignment(here, there)]
         way = there - here
         over = change.over or _time_for(float(np.hypot(*way.T).max()), change.at, path)
         moves.append(_Move(change.at, over, frozen(way), change.reassign))
@@ -113,7 +117,7 @@ def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
     return tuple(moves)
 
 
-def _assignment(here: FloatArray, there: FloatArray) -> list[int]:
+def assignment(here: FloatArray, there: FloatArray) -> list[int]:
     """Which new offset each robot takes, so that the sum of squared ways is least."""
     from scipy.optimize import linear_sum_assignment  # noqa: PLC0415  half a second, for the few that change shape
 

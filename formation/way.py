@@ -122,6 +122,12 @@ class HeardReference:
         self._fill(min(max(k, old_end - 3 * self._stride), self._filled) if same else k, k + self._ahead)
         return True
 
+    def reshape(self, k: int, offsets: Offsets) -> None:
+        """From tick k on other offsets hold; before it they are the same."""
+        self._offsets = offsets
+        if k < self._filled:
+            self._fill(k, self._filled)
+
     def block(self, k: int) -> Block:
         """The block that holds ticks k .. k + stride * (horizon + 1). It changes with what is heard."""
         if k + self._ahead > self._filled:

@@ -2,55 +2,50 @@
 
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
 from formation.errors import EchelonError, unknown
 from formation.faults import Fault
 from formation.paths.driven import OrderedSpeed, OrderedTurn
-from formation.schema import Duration, Model, NonNegative
+from formation.schema import Duration, NonNegative
 from formation.validation import problems
 from network import topics
 from network.fields import Link
+from network.interventions import MAX_SECONDS, Move, OperationModel, Push, Release, Reshape, Robot
 from network.requests import Request
+from network.values import Intervention
 
-MAX_SECONDS, FARTHEST = 1e6, 1e6
-"""Of an order [s], and of a goal [m]."""
+FARTHEST = 1e6
+"""Of a goal [m]."""
 TRACE_ROWS = 64_000
 """Rows of one robot's trace in one reply, at most: 3 MB."""
-Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
 
 
-class _Operation(Model):
-    """A request to the world, or a value of a reply. Its validator is made when the first one comes in."""
-
-    model_config = ConfigDict(defer_build=True)
-
-
-class Start(_Operation):
+class Start(OperationModel):
     """Start, or continue."""
 
 
-class Pause(_Operation):
+class Pause(OperationModel):
     """Stop simulated time after the current tick."""
 
 
-class Step(_Operation):
+class Step(OperationModel):
     """Pause, then run this many ticks."""
 
     ticks: Annotated[int, Field(ge=1, le=100_000)] = 1
 
 
-class Reset(_Operation):
+class Reset(OperationModel):
     """Start a new episode."""
 
 
-class Speed(_Operation):
+class Speed(OperationModel):
     """Simulated seconds per second; 0 means as fast as possible."""
 
     speed: Annotated[NonNegative, Field(le=1000.0)]
 
 
-class SetFault(_Operation):
+class SetFault(OperationModel):
     """Change keys of a link's fault, for some simulated time or until further notice."""
 
     link: str = "all"
@@ -59,7 +54,7 @@ class SetFault(_Operation):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class SetPreset(_Operation):
+class SetPreset(OperationModel):
     """Give a link the fault of a preset."""
 
     link: str = "all"
@@ -67,13 +62,13 @@ class SetPreset(_Operation):
     seconds: Annotated[Duration, Field(gt=0.0)] | None = None
 
 
-class Clear(_Operation):
+class Clear(OperationModel):
     """Remove the faults that users set on a link, and end the scheduled ones that are active now."""
 
     link: str = "all"
 
 
-class UseScenario(_Operation):
+class UseScenario(OperationModel):
     """Switch to another scenario."""
 
     scenario: str
@@ -84,40 +79,40 @@ class UseScenario(_Operation):
     """What differs from it, such as {"link": {"latency": 0.3}}."""
 
 
-class UseController(_Operation):
+class UseController(OperationModel):
     """Start the same scenario again with another controller."""
 
     controller: str
 
 
-class Kill(_Operation):
+class Kill(OperationModel):
     """Have the launcher kill an agent (SIGKILL); it stays down until `Restart`."""
 
     robot: Robot
 
 
-class Restart(_Operation):
+class Restart(OperationModel):
     """Have the launcher start a killed agent again, or replace a live one."""
 
     robot: Robot
 
 
-class Compare(_Operation):
+class Compare(OperationModel):
     """Run a ghost beside the formation: the same scenario and faults under another controller."""
 
     controller: str
     """A name that the world knows, or "off"."""
 
 
-class Stop(_Operation):
+class Stop(OperationModel):
     """End the run and its processes."""
 
 
-class GetSetup(_Operation):
+class GetSetup(OperationModel):
     """Answered by a Setup instead of a Reply."""
 
 
-class Drive(_Operation):
+class Drive(OperationModel):
     """Order a driven formation a speed and a turn rate, cut to what it can do."""
 
     v: OrderedSpeed
@@ -128,7 +123,7 @@ class Drive(_Operation):
     """Simulated time after which it slows to a stop; None: the order counts until the next one."""
 
 
-class GoTo(_Operation):
+class GoTo(OperationModel):
     """Drive the centre of a driven formation to a point, and stop there."""
 
     x: Annotated[FiniteFloat, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -137,17 +132,19 @@ class GoTo(_Operation):
     """Of the point [m]."""
 
 
-class GetOrders(_Operation):
+class GetOrders(OperationModel):
     """The reply's value is an Orders: what repeats this episode so far, in parts."""
 
     tables: Annotated[int, Field(ge=0)] = 0
     """Number of fault tables to leave out, because the client has them."""
     drives: Annotated[int, Field(ge=0)] = 0
     """Number of drive orders to leave out, because the client has them."""
+    interventions: Annotated[int, Field(ge=0)] = 0
+    """Number of interventions to leave out, because the client has them."""
 
 
-class Orders(_Operation):
-    """What users and the schedule did to an episode: its fault tables, and the orders of its driver."""
+class Orders(OperationModel):
+    """What users and the schedule did to an episode: fault tables, orders of its driver, interventions."""
 
     episode: int
     changes: int
@@ -157,18 +154,21 @@ class Orders(_Operation):
     """Every link that is not perfect, from each stamp on. The first table of an episode is the one at t = 0."""
     drives: list[tuple[Annotated[int, Field(ge=0)], OrderedSpeed, OrderedTurn]]
     """Tick from which on it counts, v [m/s], omega [rad/s]."""
+    intervention_changes: int = 0
+    """Number of interventions in this episode so far."""
+    interventions: list[Intervention] = Field(default_factory=list)
     resumed: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """Ticks from which on the world went on from a saved state, and every agent began anew."""
 
 
-class GetTrace(_Operation):
+class GetTrace(OperationModel):
     """The reply's value holds rows of the episode's trace as bytes of float64: poses, inputs, ages; and `ticks`."""
 
     first: Annotated[int, Field(ge=0)] = 0
     """Tick from which on rows are wanted; a reply has TRACE_ROWS of them at most, divided by the number of robots."""
 
 
-class GetSummary(_Operation):
+class GetSummary(OperationModel):
     """The reply's value is the summary of the episode."""
 
     warmup: NonNegative = 0.0
@@ -192,6 +192,10 @@ Operation = (
     | GetSetup
     | Drive
     | GoTo
+    | Push
+    | Move
+    | Release
+    | Reshape
     | GetOrders
     | GetSummary
     | GetTrace
@@ -214,6 +218,10 @@ OPERATIONS: dict[str, type[Operation]] = {
     "setup": GetSetup,
     "drive": Drive,
     "goto": GoTo,
+    "push": Push,
+    "move": Move,
+    "release": Release,
+    "shape": Reshape,
     "orders": GetOrders,
     "summary": GetSummary,
     "trace": GetTrace,

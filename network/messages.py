@@ -35,7 +35,7 @@ from network.fields import (
 )
 from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
-from network.values import Driving, Event, LinkCounts, Mode, RunStatus
+from network.values import Driving, Event, LinkCounts, Mode, Pushed, RunStatus
 
 VERSION = 5
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -241,6 +241,10 @@ class State:
     compare: Text
     """Controller of the requested ghost; empty for none."""
     driving: Driving = field(default_factory=Driving)  # the driver's orders, where the path is driven
+    interventions: Count = 0
+    """Number of interventions of users in this episode."""
+    pushes: list[Pushed] = field(default_factory=list)
+    """Disturbances that act now."""
     resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first
     __pydantic_config__ = STRICT
 

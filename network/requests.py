@@ -22,6 +22,8 @@ class Setup:
     """JSON of the formation.scenario.Scenario, with the controller in use."""
     mode: Mode
     faults: dict[Link, Fault]  # as in State
+    changes: list[dict[str, Any]] = field(default_factory=list)
+    """Changes of the shape that users made in this episode: keys of a formation.formation_spec.Change."""
     user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 

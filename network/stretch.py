@@ -7,6 +7,8 @@ from formation.scenario.user_code import UserCode
 from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
 from network.values import Event, Mode
 
+Kind = Literal["faults", "drive", "agents", "push", "release", "shape"]
+
 
 @dataclass(frozen=True, slots=True)
 class Order:
@@ -15,11 +17,11 @@ class Order:
     number: Count
     """In the episode, from 0 without gaps."""
     tick: Count
-    kind: Literal["faults", "drive", "agents"]
-    """A table of faults, an order of the driver, or which robots answer from this tick on."""
+    kind: Kind
+    """A table of faults, an order of the driver, which robots answer from this tick on, or an Intervention."""
     value: dict[str, Any]
     """faults: by link, the keys that differ from a perfect one. drive: v [m/s], omega [rad/s]. agents: answered, a list
-    of robots."""
+    of robots. The others as in an Intervention."""
     __pydantic_config__ = STRICT
 
 

@@ -1,12 +1,12 @@
 """What messages are made of: small values, and the empty arrays of each shape."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
-from network.fields import STRICT, Count, Far, Fast, Inputs, NonNegative, Pose, Text
+from network.fields import STRICT, Count, Far, Fast, Inputs, NonNegative, Pose, Sender, Text
 
 Severity = Literal["info", "warning", "error"]
 Mode = Literal["lockstep", "realtime"]
@@ -43,7 +43,7 @@ class Event:
 
     number: Count
     stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive"]
+    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive", "push"]
     text: Text
     severity: Severity = "info"
     """How much it matters; info also when something is well again. Set by who raises the event."""
@@ -62,6 +62,29 @@ class Driving:
     """Turn rate that is ordered now [rad/s]."""
     goal: tuple[Far, Far] | None = None
     """Where the centre is driving to [m]; None if it follows an order."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Intervention:
+    """What a user did to the robots of an episode, from a tick on: who simulates it again repeats it there."""
+
+    tick: Count
+    kind: Literal["push", "release", "shape"]
+    value: dict[str, Any]
+    """push: keys of a formation.disturbances.Disturbance. release: robot, None for all. shape: keys of a Change."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Pushed:
+    """A disturbance that acts on a robot now."""
+
+    robot: Sender
+    text: Text
+    """What it does."""
+    until: NonNegative | None = None
+    """When it ends [s]."""
     __pydantic_config__ = STRICT
 
 

@@ -47,6 +47,11 @@ _TEXTS = {
         "std_msgs/Header header\nstring link\nfloat64 age\nuint64 sent\nuint64 delivered\nuint64 lost\nuint64 late\n"
         "uint64 corrupt\nfloat64 solve\nfloat64 gap"
     ),
+    "echelon_msgs/Fault": (
+        "std_msgs/Header header\nstring link\nfloat64 latency\nfloat64 jitter\nfloat64 loss\nfloat64 burst\n"
+        "float64 duplicate\nfloat64 reorder\nfloat64 rate\nfloat64 corrupt\nfloat64 cut"
+    ),
+    "echelon_msgs/Contacts": "std_msgs/Header header\nfloat64 clearance\nfloat64 gap",
     "echelon_msgs/Ticks": "uint64 first\nuint32 robots\nfloat64[] poses\nfloat64[] inputs",
     "echelon_msgs/Checks": "uint64 first\nuint32 robots\nuint32[] sums",
     "echelon_msgs/Order": "uint64 number\nuint64 tick\nstring kind\nstring value",

@@ -176,6 +176,25 @@ def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float,
     return bytes(cdr)
 
 
+def fault(stamp: int, link: str, values: Iterable[float]) -> bytes:
+    """echelon_msgs/Fault: what is wrong with a link from now on, as in formation.faults.Fault; zeros: nothing."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.text(link)
+    for value in values:
+        cdr.put("d", value)
+    return bytes(cdr)
+
+
+def contacts(stamp: int, clearance: float, gap: float) -> bytes:
+    """echelon_msgs/Contacts: least distance now of two centres, and of two bodies; negative if they overlap [m]."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.put("d", clearance)
+    cdr.put("d", gap)
+    return bytes(cdr)
+
+
 def ticks(first: int, robots: int, poses: FloatArray, inputs: FloatArray) -> bytes:
     """echelon_msgs/Ticks: exact poses (T n, 3) from a tick on, and the inputs (T n, 2) that led there."""
     cdr = Cdr()

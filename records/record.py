@@ -64,6 +64,11 @@ class RecordedEpisode:
         """Ticks whose poses can be checked, in order."""
         return sorted(self.checks)
 
+    @property
+    def sorted_orders(self) -> list[RecordedOrder]:
+        """In the order in which they count."""
+        return sorted(self.orders, key=lambda order: (order.tick, order.number))
+
     def seconds(self, time: int) -> float:
         """Simulated time of a time on the record's clock [s]."""
         return (time - self.begins) * 1e-9

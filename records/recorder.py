@@ -9,25 +9,29 @@ from typing import Literal
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.bodies.spec import Bodies
+from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
 from network.messages import VERSION, Plan, Status
-from network.stretch import Stretch
+from network.stretch import Order, Stretch
 from network.values import LinkCounts
 from records import messages, pictures
 from records.file import RecordFile
 
 Detail = Literal["default", "full"]
-"""Whether a record also holds every pose, and every message as it went over the wire."""
+"""Whether a record also holds every pose, and every message of the wire that cannot be computed again."""
 EXACT_SECONDS = 1.0
 """Simulated time between exact poses in a record of the default detail [s]."""
 STATUS_SECONDS = 0.5
 """Least simulated time between two statuses of a robot in a record, with its plan and belief [s]."""
 SLOWER = 2
 """Errors and markers are written with every so many stretches: ten times a second, the poses twenty times."""
+FAULT_KEYS = ("latency", "jitter", "loss", "burst", "duplicate", "reorder", "rate", "corrupt", "cut")
+"""Of a fault, those that are numbers."""
 BETWEEN_EPISODES = 10**9
 """Time on the record's clock between two episodes [ns]."""
 
@@ -44,8 +48,14 @@ class _Episode:
     """Where its t = 0 is on the record's clock [ns]."""
     next: int
     """The first tick that has not been written."""
+    radii: FloatArray
+    """(n,) of the bodies [m]."""
+    again: bool
+    """Whether simulating it again gives every message that went over the wire."""
     orders: int = 0
     """That have been written."""
+    faulty: frozenset[str] = frozenset()
+    """Links that are not perfect."""
     event: int = 0
     """Number of the newest event that has been written."""
 
@@ -70,6 +80,8 @@ class Recorder:
         """Simulated time of the newest poses [s]."""
         self._shown: dict[int, float] = {}
         """By robot, when a status was written last [s]."""
+        self._ages: dict[LinkId, float] = {}
+        """Of the newest plans, as statuses say [s]."""
         file.note("echelon", {"run": run, "version": str(VERSION), "detail": detail, "started": str(started)})
 
     @property
@@ -92,6 +104,7 @@ class Recorder:
                 episode.orders = order.number + 1
                 data = messages.order(order.number, order.tick, order.kind, json.dumps(order.value, sort_keys=True))
                 self._write("/orders", "echelon_msgs/Order", self._time(episode, order.tick), data)
+                self._note(episode, order)
         for event in stretch.events:
             if event.number > episode.event:
                 episode.event = event.number
@@ -111,15 +124,32 @@ class Recorder:
         begins = self._clock + (BETWEEN_EPISODES if self._episode is not None else 0)
         if stretch.resumed:  # a segment begins where its first tick is
             begins -= round(stretch.first * interval * 1e9)
-        episode = _Episode(stretch.episode, len(stretch.slots), interval, begins, stretch.first)
+        n = len(stretch.slots)
+        radii = np.array(Bodies.model_validate(scenario.get("bodies", {})).radii(n))
+        again = stretch.mode == "lockstep"
+        episode = _Episode(stretch.episode, n, interval, begins, stretch.first, radii, again)
         self._episode, self._clock = episode, max(self._clock, begins)
         self._shown.clear()
+        self._ages.clear()
         self._now = stretch.stamp
         controller = str(scenario.get("controller", {}).get("name", DEFAULT))
         values = {"number": str(stretch.episode), "mode": stretch.mode, "begins": str(begins), "controller": controller}
         code = {"user_code": to_text(stretch.user_code), "resumed": json.dumps(stretch.resumed)}
         self._file.note("episode", {**values, **code, "scenario": stretch.scenario})
         return episode
+
+    def _note(self, episode: _Episode, order: Order) -> None:
+        """What an order means for the rest of the record."""
+        if order.kind == "agents":  # what an agent knows that began in the middle is nowhere else
+            episode.again = False
+        if order.kind != "faults":
+            return
+        at = self._time(episode, order.tick)
+        for link in sorted(episode.faulty | order.value.keys()):
+            keys = order.value.get(link, {})
+            data = messages.fault(at, link, (float(keys.get(key, 0.0)) for key in FAULT_KEYS))
+            self._write("/faults", "echelon_msgs/Fault", at, data)
+        episode.faulty = frozenset(order.value)
 
     def _time(self, episode: _Episode, tick: int) -> int:
         return episode.begins + round(tick * episode.interval * 1e9)
@@ -162,8 +192,10 @@ class Recorder:
         distance, angle = pattern_errors(poses, slots)
         tracking = float(tracking_error(poses, stretch.centre[:2]))
         self._write("/metrics", "echelon_msgs/Metrics", at, messages.metrics(at, tracking, distance, angle))
-        drawn = [pictures.edges(poses, distance), pictures.ways_to(slots, poses)]
+        drawn = [pictures.edges(poses, distance), pictures.ways_to(slots, poses), pictures.links(poses, self._ages)]
         self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, drawn))
+        clearance, gap = _nearest(poses, episode.radii)
+        self._write("/contacts", "echelon_msgs/Contacts", at, messages.contacts(at, clearance, gap))
 
     def wants_status(self, robot: int) -> bool:
         """Whether a status of a robot that comes in now would be written; decoding one costs more than writing it."""
@@ -175,6 +207,7 @@ class Recorder:
         if episode is None or status.episode != episode.number or number > episode.robots:
             return
         self._shown[number] = self._now
+        self._ages[status.link] = status.age
         robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
         if status.plan is not None:
             self._draw(episode, f"{robot}/plan", status.plan, at)
@@ -192,9 +225,16 @@ class Recorder:
 
     def take_wire(self, key: str, payload: bytes) -> None:
         """A message as it went over the wire, at the time of the newest poses; `key` is below the run's name."""
-        if self.full and self._episode is not None:
+        if self.full and self._episode is not None and not self._episode.again:
             at = self._episode.begins + round(self._now * 1e9)
             self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
+
+
+def _nearest(poses: FloatArray, radii: FloatArray) -> tuple[float, float]:
+    """Least distance of two centres, and of two bodies [m]."""
+    one, other = np.triu_indices(len(poses), k=1)
+    apart = np.hypot(*(poses[one, :2] - poses[other, :2]).T)
+    return float(apart.min()), float((apart - radii[one] - radii[other]).min())
 
 
 def _counts(counts: LinkCounts) -> itertools.chain[int]:

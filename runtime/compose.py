@@ -13,6 +13,8 @@ from runtime.user_code import NO_CODE, CodeArguments, mounted
 RUN = "echelon"
 ROUTER_PORT = 7447
 PAGE_PORT = 8090
+SAVED = "/var/lib/echelon"
+"""Where the world saves the run, in its own container; the image has the folder with the right owner."""
 RECORDS = "/records"
 """Where records are, in a volume of the same name; the image has the folder with the right owner."""
 
@@ -29,8 +31,13 @@ x-service: &service
   cap_drop: [ALL]
   security_opt: ["no-new-privileges:true"]
   tmpfs: ["/tmp:mode=1777"]
-  restart: unless-stopped
+  restart: on-failure
   networks: [formation]
+  environment:
+    ECHELON_CONNECT: "tcp/router:{router}"  # `docker compose exec world echelon status` needs no options
+    ECHELON_RUN: "{run}"
+    ECHELON_INSECURE: "1"  # inside the network of these containers only
+    ECHELON_IN_CONTAINER: "1"
 
 networks:
   formation: {{}}
@@ -50,6 +57,8 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, 
         overrides=overrides,
         endless=True,
         ghost=True,
+        folder=SAVED,
+        containers=True,
         code=code,
         dashboard=("0.0.0.0", PAGE_PORT),  # of its container; published on loopback only
         record=f"{RECORDS}/{scenario}.mcap" if record else None,
@@ -70,7 +79,7 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     """
     check_live(scenario.controller.name)
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
-    head = _HEAD.format(words=words, port=PAGE_PORT)
+    head = _HEAD.format(words=words, port=PAGE_PORT, router=ROUTER_PORT, run=RUN)
     code, mounts = mounted(LOADED.values())
     listed = programs(plan(name, overrides or {}, code, record=record), scenario)
     services = "\n".join(_service(program, mounts) for program in listed)
@@ -98,12 +107,13 @@ def _service(program: Program, mounts: Mapping[str, str]) -> str:
         f"    command: {_words(['python', '-m', program.module, *program.arguments])}",
         "    healthcheck:",
         f"      test: {_words(check)}",
-        "      interval: 30s",
+        "      interval: 2m",
         "      timeout: 8s",
-        "      start_period: 20s",
+        "      start_period: 30s",
+        "      start_interval: 2s",
     ]
-    if program.role == "world":  # a requested stop is final, a crash is not
-        lines += ["    restart: on-failure"]
+    if program.role == "world":  # it saves the run: what it writes outlives its process, and goes with its container
+        lines += ["    read_only: false"]
     if any(f"{there}/" in word for word in program.arguments for there in mounts.values()):
         volumes = [
             {"type": "bind", "source": here, "target": there, "read_only": True} for here, there in mounts.items()
@@ -115,8 +125,6 @@ def _service(program: Program, mounts: Mapping[str, str]) -> str:
         lines += ["    volumes:", f'      - "records:{RECORDS}"']
     if program.role == "dashboard":
         lines += [
-            "    environment:",
-            '      ECHELON_IN_CONTAINER: "1"',
             "    ports:",
             f'      - "127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"',
         ]

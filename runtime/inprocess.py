@@ -10,7 +10,7 @@ from agents.controllers.registry import team_for
 from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from world.trace import Trace
+from world.measures.trace import Trace
 from world.world import World
 
 PROGRESS_TICKS = 50
@@ -32,13 +32,21 @@ class Simulation:
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
         self._both = any(len(agent.hears) > 1 for agent in self.agents.values())
-        self._revision = -1
+        self._revision, self._scenario = -1, scenario
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
 
     def _agent(self, robot: int) -> Agent:
         world = self.world
         member = self._team.member(robot) if self._team else None
         return Agent(world.scenario, robot, episode=world.episode, controller=member)
+
+    def _reshape(self, scenario: Scenario) -> None:
+        """Users have changed the shape."""
+        self._scenario = scenario
+        for agent in self.agents.values():
+            agent.reshape(scenario, self.world.k)
+        if self._team:
+            self._team.reshape(scenario, self.world.k)
 
     @property
     def plans(self) -> list[Plan]:
@@ -60,6 +68,7 @@ class Simulation:
         """Begin a segment, as a live run does whose world was lost: every agent begins anew."""
         assert self._team is None  # no live run has one
         self.world.go_on()
+        self._scenario = self.world.scenario
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self._plans = []
 
@@ -71,6 +80,8 @@ class Simulation:
             self._revision = tick.revision
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
+            if world.scenario is not self._scenario:
+                self._reshape(world.scenario)
         for plan in self._plans:
             agents[downstream(plan.sender, len(agents))].receive(plan)
             if self._both:
@@ -97,7 +108,7 @@ class Simulation:
 def simulate(
     scenario: Scenario, *, progress: Callable[[float], None] | None = None, warmup: float = 0.0
 ) -> dict[str, Any]:
-    """Simulate the scenario to its end and return the summary (world/trace.py).
+    """Simulate the scenario to its end and return the summary (world/measures/trace.py).
 
     Args:
         scenario: what to simulate.

@@ -135,6 +135,11 @@ class LiveRun:
         return Guard(page[0], self._options.get("token")).address(page[1]) if page else ""
 
     @property
+    def name(self) -> str:
+        """Of the run."""
+        return self._name
+
+    @property
     def endpoint(self) -> str:
         """Of its router."""
         return self._plan.connect

@@ -49,6 +49,8 @@ class RunPlan:
     paused: bool = False
     folder: str | None = None
     """The run's private folder: the world saves the run there, and the router removes it if no launcher is left."""
+    containers: bool = False
+    """Whether each process has a folder of its own there, which goes with its container."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
     started: str | None = None
@@ -83,7 +85,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     world += [flag for flag, on in _flags(plan) if on]
     world += _each("--real", tuple(str(number) for number, _ in plan.robots))
     router = (*_each("--listen", plan.listen), "--run", plan.run, *_doors(plan))
-    router += ("--folder", plan.folder) if plan.folder else ()
+    router += ("--folder", plan.folder) if plan.folder and not plan.containers else ()
     found = [Program("router", 0, "network", router), Program("world", 0, "world", tuple(world))]
     if plan.record is not None:  # before the agents: what happens at once is to be in the record
         found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))

@@ -4,6 +4,7 @@ import json
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,8 +14,10 @@ from formation.link_ids import LinkId
 from formation.loading.load import differs
 from formation.loading.source import LOADED
 from formation.scenario.files import parse
+from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import from_text
 from network.messages import VERSION
+from network.values import Intervention
 from records.record import Record, RecordedEpisode, RecordedOrder
 from runtime.ghost.shadow import Shadow
 
@@ -45,9 +48,20 @@ def verify(record: Record, progress: Callable[[float], None] = lambda _: None) -
     Raises:
         EchelonError: this record cannot be simulated again here; the text gives the reason.
     """
+    check_repeatable(record)
+    return [_verdict(number, episode, progress) for number, episode in enumerate(record.episodes, 1)]
+
+
+def check_version(record: Record) -> None:
+    """Refuse a record of another wire. Raises EchelonError."""
     version = record.about.get("version")
     if version != str(VERSION):
         raise EchelonError(f"expected a record of wire version {VERSION}; {record.path} is of version {version}")
+
+
+def check_repeatable(record: Record) -> None:
+    """Refuse a record that cannot be simulated again. Raises EchelonError with the reason."""
+    check_version(record)
     if not record.episodes:
         raise EchelonError(f"expected an episode; {record.path} has none")
     for episode in record.episodes:
@@ -55,25 +69,40 @@ def verify(record: Record, progress: Callable[[float], None] = lambda _: None) -
             raise EchelonError(
                 f"expected a lockstep run; {record.path} is of a {episode.mode} run, which depends on the wall clock"
             )
-    return [_verdict(number, episode, progress) for number, episode in enumerate(record.episodes, 1)]
 
 
-def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], None]) -> Verdict:
+def scenario_of(episode: RecordedEpisode) -> Scenario:
+    """What ran.
+
+    Raises:
+        EchelonError: the code of a user's own that it ran with is not here.
+    """
     for code in from_text(episode.user_code):
         here = LOADED.get((code.kind, code.name))
         if here is None or here.sha256 != code.sha256:
             raise EchelonError(differs(code.kind, code.name, code.origin, code.sha256, here.sha256 if here else None))
-    scenario = parse(json.loads(episode.scenario), where="the record's scenario")
-    orders = sorted(episode.orders, key=lambda order: (order.tick, order.number))
+    return parse(json.loads(episode.scenario), where="the record's scenario")
+
+
+def shadow_of(episode: RecordedEpisode) -> Shadow:
+    """An episode at its start, with all that was ordered in it; step it on. Raises EchelonError as `scenario_of`."""
+    scenario = scenario_of(episode)
+    orders = episode.sorted_orders
+    shadow = Shadow(scenario, scenario.controller.name, episode.number)
+    shadow.learn(
+        [(order.tick * episode.interval, table_of(order)) for order in orders if order.kind == "faults"],
+        [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
+        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
+    )
+    shadow.resume_at(episode.resumed)
+    return shadow
+
+
+def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], None]) -> Verdict:
+    shadow, orders = shadow_of(episode), episode.sorted_orders
     missing = sorted(set(range(max((order.number for order in orders), default=-1) + 1)) - {o.number for o in orders})
     remarks = [f"order {number} is not in the record" for number in missing]
     end = _everybody_until(orders, episode.ticks, remarks, episode.interval)
-    shadow = Shadow(scenario, scenario.controller.name, episode.number)
-    shadow.learn(
-        [(order.tick * episode.interval, _table(order)) for order in orders if order.kind == "faults"],
-        [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
-    )
-    shadow.resume_at(episode.resumed)
     compared = 0
     for tick in episode.ticks:
         if tick > end:
@@ -82,7 +111,7 @@ def _verdict(number: int, episode: RecordedEpisode, progress: Callable[[float], 
             shadow.step()
             if shadow.k % 100 == 0:
                 progress(shadow.now)
-        difference = _difference(episode, tick, shadow)
+        difference = difference_of(episode, tick, shadow)
         if difference:
             return Verdict(number, compared, shadow.now, difference, "; ".join(remarks))
         compared += 1
@@ -101,11 +130,17 @@ def _everybody_until(orders: list[RecordedOrder], ticks: list[int], remarks: lis
     return size.tick
 
 
-def _table(order: RecordedOrder) -> dict[LinkId, Fault]:
+def table_of(order: RecordedOrder) -> dict[LinkId, Fault]:
+    """Every link that is not perfect from this order on."""
     return {LinkId.parse(link): Fault(**fault) for link, fault in order.value.items()}
 
 
-def _difference(episode: RecordedEpisode, tick: int, shadow: Shadow) -> str:
+def _intervention(order: RecordedOrder) -> Intervention:
+    kind: Any = order.kind
+    return Intervention(order.tick, kind, order.value)
+
+
+def difference_of(episode: RecordedEpisode, tick: int, shadow: Shadow) -> str:
     """Which robot is elsewhere than in the record at a tick; empty if none is."""
     poses = np.ascontiguousarray(shadow.poses, dtype="<f8")
     exact = episode.poses.get(tick)

@@ -7,6 +7,7 @@ import socket
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -42,7 +43,14 @@ def namespaces() -> bool:
     )
 
 
+FOXGLOVE = Path(__file__).parent / "records" / "foxglove"
+"""Where `npm install` puts Foxglove's decoders."""
+
 NEEDS = {
+    "foxglove decoders": Need(
+        lambda: shutil.which("node") is not None and (FOXGLOVE / "node_modules").is_dir(),
+        "npm install --prefix tests/records/foxglove",
+    ),
     "chromium": Need(lambda: chromium() is not None, "apt-get install chromium"),
     "playwright": Need(package("playwright"), "pip install -e .[test]"),
     "bash": Need(lambda: shutil.which("bash") is not None, "apt-get install bash"),
@@ -55,8 +63,10 @@ NEEDS = {
 }
 """By name."""
 
-EXCEPTIONS: dict[str, str] = {}
-"""What may be absent even with CI set, and why. Nothing today: the test command and .ci/run install all."""
+EXCEPTIONS: dict[str, str] = {
+    "foxglove decoders": "node and npm are needed by nothing else here; who changes what records hold installs them",
+}
+"""What may be absent even with CI set, and why. The test command and .ci/run install the rest."""
 
 
 def needs(*names: str) -> None:

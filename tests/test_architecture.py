@@ -19,7 +19,7 @@ ALLOWED = {
     "dashboard": {"formation", "network"},
     "runtime": {"formation", "network", "agents", "world", "records", "dashboard"},
     "experiments": {"formation", "network", "agents", "world", "records", "dashboard", "runtime"},
-    "api": {"formation", "network", "agents", "world", "dashboard", "runtime", "experiments"},
+    "api": {"formation", "network", "agents", "world", "records", "dashboard", "runtime", "experiments"},
     "cli": {"formation", "network", "agents", "world", "records", "ros", "dashboard", "runtime", "experiments"},
 }
 """Which rooms a room may import, besides itself."""
@@ -54,7 +54,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"bodies", "stretch", "requests"},
         {"messages"},
         {"topics"},
-        {"codec", "control", "link"},
+        {"codec", "control", "link", "interventions"},
         {"bus", "reference", "access"},
         {"zenoh_bus", "memory_bus"},
         {"arguments"},
@@ -71,8 +71,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "contacts", "convergence", "driver", "states", "command_links"},
-        {"trace", "rate", "sight"},
+        {"bodies", "faults", "driver", "states", "command_links"},
+        {"measures", "rate", "sight", "interventions"},
+        {"episode"},
         {"world"},
         {"presence", "journal", "samples"},
         {"run_control"},

@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import os
 import secrets
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ from formation.scenario.registry import check_live, register_unloaded
 from formation.scenario.user_code import from_text
 from network.arguments import add_connection, connect
 from network.lifetime import TERMINATED, Lifetime
-from network.values import Mode
+from network.values import Event, Mode
 from world.bodies.own import load_bodies
 from world.parts import Parts
 from world.process import run
@@ -21,6 +22,9 @@ from world.real_robots import MixedWorld, RealRobots
 from world.resume.saver import Saver, saved
 from world.resume.snapshot import SnapshotError
 from world.world import World
+
+IN_CONTAINER = "ECHELON_IN_CONTAINER"
+"""Environment variable: there is no `up` that would print the run's events."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -45,15 +49,20 @@ def main(arguments: list[str] | None = None) -> int:
         for spec in options.bodies:
             load_bodies(spec)
         register_unloaded(from_text(options.controllers))
+        show = _print if os.environ.get(IN_CONTAINER) else None
         folder = Path(options.folder) if options.folder else None
         parts = (_saved(folder) if folder else None) or _begun(options)
         with connect(options, "world") as bus:
             robots = parts.world.real if isinstance(parts.world, MixedWorld) else None
-            stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None, robots)
+            stopped = run(bus, parts, Lifetime(bus.wake), Saver(folder) if folder else None, robots, show)
     except EchelonError as error:
         print(f"world: {error}", file=sys.stderr)
         return 2
     return 0 if stopped else TERMINATED
+
+
+def _print(event: Event) -> None:
+    print(f"t = {event.stamp:.2f} s: {event.text}", file=sys.stderr, flush=True)
 
 
 def _saved(folder: Path) -> Parts | None:

@@ -85,6 +85,11 @@ class Driver:
         self._goal, self._until = Goal(x, y), math.inf
         return [f"drives to ({x:.3f}, {y:.3f}) m", *self._go_on(k, self._goal)]
 
+    def reshape(self, k: int, scenario: Scenario) -> None:
+        """From tick k on the formation has the offsets of this scenario."""
+        self._law = scenario.law
+        self.reference.reshape(k, scenario.offsets, self._law)
+
     def impose(self, k: int, v: float, omega: float) -> None:
         """An order of another world at the same tick."""
         self._give(k, Order(v, omega))

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable
 from itertools import takewhile
-from typing import Literal
 
 import numpy as np
 
 from formation.arrays import FloatArray
 from network.messages import WORLD
-from network.stretch import Order, Stretch
+from network.stretch import Kind, Order, Stretch
 from world.bodies.own import user_code_of
 from world.world import World
 
@@ -33,7 +32,7 @@ class Journal:
         """An episode begins."""
         self._episode = self._world.episode
         self._orders: list[Order] = []
-        self._tables = self._drives = 0
+        self._tables = self._drives = self._interventions = 0
         self._answering = set(self._world.robots)
         self._events = 0
         self._open()
@@ -87,6 +86,10 @@ class Journal:
             for tick, order in world.driver.since(self._drives):
                 self._drives += 1
                 self._order(tick, "drive", {"v": order.v, "omega": order.omega})
+        while self._interventions < world.interventions.count:
+            for done in world.interventions.since(self._interventions):
+                self._interventions += 1
+                self._order(done.tick, done.kind, done.value)
 
     def _look(self) -> None:
         if self._episode != self._world.episode:
@@ -97,7 +100,7 @@ class Journal:
             self._first = self._world.k
         self._rows.append((self._world.plant.poses.copy(), self._world.inputs))
 
-    def _order(self, tick: int, kind: Literal["faults", "drive", "agents"], value: dict[str, object]) -> None:
+    def _order(self, tick: int, kind: Kind, value: dict[str, object]) -> None:
         self._orders.append(Order(len(self._orders), tick, kind, value))
 
     def take(self, *, all_of_it: bool = False) -> Stretch | None:
@@ -124,7 +127,7 @@ class Journal:
             mode=world.mode,
             orders=self._orders[self._sent :],
             events=newest,
-            scenario="" if self._stretches else world.scenario.model_dump_json(exclude_unset=True),
+            scenario="" if self._stretches else world.given.model_dump_json(exclude_unset=True),
             resumed=[] if self._stretches else self._world.resumed,
             user_code=[] if self._stretches else user_code_of(world.scenario),
         )

@@ -1,6 +1,7 @@
 """The operations that users request of a run: state of the run, and their execution."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 from formation.errors import EchelonError, ScenarioError, unknown
@@ -11,13 +12,25 @@ from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
 from network.values import RunStatus
 from world.driver import Driver
 from world.presence import AgentPresence
 from world.rate import Rate
 from world.world import World
 
-BETWEEN_TICKS = (control.SetFault, control.SetPreset, control.Clear, control.Step, control.Drive, control.GoTo)
+BETWEEN_TICKS = (
+    control.SetFault,
+    control.SetPreset,
+    control.Clear,
+    control.Step,
+    control.Drive,
+    control.GoTo,
+    Push,
+    Move,
+    Release,
+    Reshape,
+)
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 READS = (control.GetOrders, control.GetTrace, control.GetSummary)
 """Operations that change nothing."""
@@ -94,7 +107,7 @@ class RunControl:
             case control.UseScenario():
                 self._use(_scenario(operation))
             case control.UseController(controller=name):
-                self._use(with_controller(world.scenario, name))
+                self._use(with_controller(world.given, name))
             case control.Kill(robot=robot):
                 self._presence.dismiss(robot, for_good=True)
                 world.event("run", f"agent {robot} is killed and kept down", "warning")
@@ -112,8 +125,10 @@ class RunControl:
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
                 return self._drive(lambda driver: driver.go_to(world.k, x, y))
-            case control.GetOrders(tables=tables, drives=drives):
-                return self._orders_since(tables, drives)
+            case Push() | Move() | Release() | Reshape():
+                world.intervene(operation)
+            case control.GetOrders(tables=tables, drives=drives, interventions=interventions):
+                return self._orders_since(tables, drives, interventions)
             case control.Stop():
                 self.stop = True
             case control.GetTrace(first=first):
@@ -148,7 +163,7 @@ class RunControl:
         packed = {name: values.astype("<f8").tobytes() for name, values in arrays.items()}
         return {"ticks": len(trace.inputs), "last": last, **packed}
 
-    def _orders_since(self, tables: int, drives: int) -> dict[str, Any]:
+    def _orders_since(self, tables: int, drives: int, interventions: int) -> dict[str, Any]:
         world = self._world
         driver = world.driver
         return {
@@ -158,6 +173,8 @@ class RunControl:
             "resumed": world.resumed,
             "tables": world.faults.since(tables),
             "drives": [(k, *order) for k, order in driver.since(drives)] if driver else [],
+            "intervention_changes": world.interventions.count,
+            "interventions": [asdict(done) for done in world.interventions.since(interventions)],
         }
 
     def _reset(self) -> None:

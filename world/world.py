@@ -3,100 +3,31 @@
 It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides when the next tick is due.
 """
 
-from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.disturbances import Disturbance, displacement, pushed
+from formation.errors import EchelonError
 from formation.faults import PERFECT, Fault
+from formation.formation_spec import Change
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, tracking_error
+from formation.scenario.reshaping import change_of, reshaped
 from formation.scenario.scenario import Scenario
-from formation.scenario.user_code import SHOWN
-from network.messages import WORLD, Command, State, Status, Tick
-from network.requests import Setup
-from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Driving, Event, LinkCounts, Mode, RunStatus
-from world.bodies.interface import Bodies
-from world.bodies.own import user_code, user_code_of
-from world.bodies.registry import bodies_for
-from world.command_links import CommandLinks
-from world.contacts import Contacts, Excursions
-from world.convergence import Convergence
-from world.driver import Driver
-from world.faults import FaultState
-from world.sight import Sight
+from network.control import Operation
+from network.interventions import Move, Push, Release, Reshape
+from network.messages import WORLD, Command, Tick
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
+from world.episode import Episode
 from world.states import SKIPPED
-from world.trace import Trace
-
-SHOWN_EVENTS, KEPT_EVENTS = 40, 5000
 
 
-class World:
-    """Bodies, links to them, faults, events and trace of one run; `reset` starts a new episode."""
+class World(Episode):
+    """An episode that goes on tick by tick; `reset` starts a new one."""
 
-    def __init__(self, scenario: Scenario, *, episode: int = 0, endless: bool = False, mode: Mode = "lockstep") -> None:
-        """A world at the start of an episode.
-
-        Args:
-            scenario: of the run.
-            episode: its number, put into every message.
-            endless: continue past the duration, if the path is closed; then no trace is kept.
-            mode: "lockstep" or "realtime", for displays.
-        """
-        self.scenario, self.episode, self.mode = scenario, episode, mode
-        self._endless_wish, self.revision = endless, 0
-        self.events: deque[Event] = deque(maxlen=KEPT_EVENTS)
-        self._event_count = 0
-        self._begin()
-        self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
-
-    def bodies_for(self, scenario: Scenario) -> Bodies:
-        """The bodies of an episode."""
-        return bodies_for(scenario)
-
-    def _begin(self) -> None:
-        """Begin an episode of the scenario."""
-        scenario = self.scenario
-        self.k, self._earlier_events = 0, self._event_count
-        self.resumed: list[int] = []  # ticks of the episode at which a world went on from a saved state
-        self.endless = self._endless_wish and scenario.path.endless
-        self.plant, self._sight = self.bodies_for(scenario), Sight(scenario)
-        self.faults = FaultState(scenario)
-        self.faults.update(0.0)
-        self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
-        self.reference = self.driver.reference if self.driver else scenario.reference()
-        self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
-        if self.trace:
-            self.trace.start(self.plant.poses)
-        self.inputs: FloatArray = np.zeros((scenario.size, 2))  # commanded over the tick before
-        self.counts: dict[LinkId, LinkCounts] = {}
-        self.statuses: dict[int, Status] = {}
-        self.live: set[int] = set()
-        self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
-        self.convergence, self._commands = Convergence(), CommandLinks(scenario)
-        self._planned: list[int] = []
-        self._tick: Tick | None = None
-        self._commands.set_faults(self.faults.table)
-        self._look()
-        self._drive()
-
-    @property
-    def robots(self) -> range:
-        """Numbers of the robots."""
-        return range(1, self.scenario.size + 1)
-
-    @property
-    def now(self) -> float:
-        """Simulated time [s]."""
-        return self.k * self.scenario.control_interval
-
-    @property
-    def finished(self) -> bool:
-        """Whether the episode has reached its duration."""
-        return not self.endless and self.k >= self.scenario.ticks
+    # ------------------------------------------------------------------ stepping
 
     def tick(self) -> Tick:
         """The Tick of now; the same message until `advance`."""
@@ -140,16 +71,7 @@ class World:
         self._tick = None
         self._drive()
         self._apply_faults()
-
-    def _drive(self) -> None:
-        """The driver's orders for the tick that is computed next."""
-        for line in self.driver.begin(self.k) if self.driver else ():
-            self.event("drive", line)
-
-    def _look(self) -> None:
-        """Count who touches whom."""
-        for one, other in self.contacts.look(self.plant.poses):
-            self.event("contact", f"robots {one} and {other} touch", "warning")
+        self._note_pushes()
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)
@@ -171,7 +93,7 @@ class World:
 
     def use(self, scenario: Scenario) -> None:
         """Start an episode of another scenario, without the faults that users set."""
-        self.scenario = scenario
+        self.given = scenario
         self._next_episode()
         self.event("run", f"scenario {scenario.name}, controller {scenario.controller.name}, seed {scenario.seed}")
 
@@ -207,94 +129,65 @@ class World:
         self.faults.impose(table)
         self._apply_faults()
 
-    def event(self, kind: Any, text: str, severity: Any = "info") -> None:
-        """Add an event to the log."""
-        self._event_count += 1
-        self.events.append(Event(self._event_count, self.now, kind, text, severity))
+    def intervene(self, operation: Operation) -> None:
+        """Do something to the robots: push, move, release, reshape. Raises EchelonError."""
+        match operation:
+            case Push(robot=robot, kind=kind, seconds=seconds):
+                self.push(pushed(robot, kind, self.now, seconds))
+            case Move(robot=robot, dx=dx, dy=dy):
+                self.push(displacement(robot, dx, dy, self.now, self.scenario.control_interval))
+            case Release(robot=robot):
+                self.release(robot)
+            case Reshape(shape=shape, spacing=spacing, over=over):
+                change = change_of(self.scenario, self.path_time, shape=shape, spacing=spacing, over=over)
+                self.reshape(change, shape or "")
+            case _:
+                raise EchelonError(f"expected push, move, release or shape; got {type(operation).__name__}")
 
-    def hear(self, status: Status) -> None:
-        """Take an agent's Status."""
-        if status.episode == self.episode and status.sender in self.robots:
-            self.statuses[status.sender] = status
-            if status.link == LinkId.plans_to(status.sender, self.scenario.size):  # a peer may send anything
-                self.counts[status.link] = status.counts
+    def push(self, disturbance: Disturbance) -> None:
+        """Disturb a robot's body. Raises EchelonError."""
+        if disturbance.robot > self.scenario.size:
+            raise EchelonError(f"robot: expected 1 to {self.scenario.size}; got {disturbance.robot}")
+        self.interventions.push(self.k, self.now, disturbance)
+        self._note_pushes()
 
-    def setup(self) -> Setup:
-        """The Setup of now, for agents and displays."""
-        return Setup(
-            sender=WORLD,
-            seq=self.revision,
-            stamp=self.now,
-            episode=self.episode,
-            revision=self.revision,
-            scenario=self.scenario.model_dump_json(exclude_unset=True),
-            mode=self.mode,
-            faults=dict(self.faults.table),
-            user_code=user_code(),
-        )
+    def release(self, robot: int | None) -> None:
+        """End what disturbs a robot, or all of them. Raises EchelonError."""
+        if robot is not None and robot > self.scenario.size:
+            raise EchelonError(f"robot: expected 1 to {self.scenario.size}; got {robot}")
+        self.interventions.release(self.k, self.now, robot)
+        self._note_pushes()
 
-    def summary(self, *, warmup: float = 0.0) -> dict[str, Any]:
-        """The summary of the episode so far; empty for an endless one."""
-        if self.trace is None:
-            return {}
-        links = {link: self.counts[link] for link in sorted(self.counts)}
-        events = [event for event in self.events if event.number > self._earlier_events]
-        return {
-            **self.trace.summary(links, self.convergence, self.excursions, events, warmup=warmup),
-            **self.contacts.summary(),
-            "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self.scenario)],
-            "resumed_at": [k * self.scenario.control_interval for k in self.resumed],
-            "commands": self.driver.commands if self.driver else [],
-            "way_age_s": {str(i): status.way_age for i, status in sorted(self.statuses.items())},
-        }
+    def reshape(self, change: Change, name: str = "") -> None:
+        """Change the shape from the next tick on, as if the scenario had that change. Raises ScenarioError.
 
-    def state(
-        self,
-        *,
-        seq: int,
-        status: RunStatus,
-        speed: float = 0.0,
-        pace: float = 0.0,
-        overruns: int = 0,
-        rejected: int = 0,
-        waiting_for: Iterable[int] = (),
-        dismissed: Iterable[int] = (),
-        compare: str = "",
-    ) -> State:
-        """The State of now; the arguments are what only its process knows."""
-        block = self.reference.block(self.k)
-        row = self.k - block.first
-        centre, poses = block.centre[row, :3], self.plant.poses
-        distance, angle = pattern_errors(poses, block.slots[row])
-        return State(
-            sender=WORLD,
-            seq=seq,
-            stamp=self.now,
-            episode=self.episode,
-            revision=self.revision,
-            scenario=self.scenario.name,
-            controller=self.scenario.controller.name,
-            mode=self.mode,
-            status=status,
-            waiting_for=list(waiting_for),
-            dismissed=list(dismissed),
-            speed=speed,
-            pace=pace,
-            overruns=overruns,
-            rejected=rejected,
-            poses=poses,
-            slots=block.slots[row],
-            centre=centre,
-            distance_errors=distance,
-            angle_errors=angle,
-            tracking_error=float(tracking_error(poses, centre[:2])),
-            contacts=self.contacts.count,
-            gap=self.contacts.gap,
-            live=sorted(self.live),
-            stopped=sorted(self._commands.held),
-            faults=dict(self.faults.table),
-            events=list(self.events)[-SHOWN_EVENTS:],
-            compare=compare,
-            resumed=self.resumed,
-            driving=self.driver.shown if self.driver else Driving(),
-        )
+        Args:
+            change: with each robot's place.
+            name: of the shape, for the log.
+        """
+        scenario = reshaped(self.given, [*self.interventions.changes, change])
+        self.interventions.reshape(self.k, change)
+        self.scenario = scenario
+        if self.driver:
+            self.driver.reshape(self.k, scenario)
+        else:
+            self.reference = scenario.reference()
+            if self.trace:
+                self.trace.reference = self.reference
+        self.revision += 1
+        self.event("push", f"the shape becomes {name or 'another'}, spacing {change.spacing:.3g} m")
+
+    @property
+    def path_time(self) -> float:
+        """The path's time now: the clock, less what all robots are late [s]."""
+        return self.now - self.reference.lag(self.now)
+
+    def repeat(self, intervention: Intervention) -> None:
+        """Do what was done to another world at this tick."""
+        match intervention.kind:
+            case "push":
+                self.push(Disturbance.model_validate(intervention.value))
+            case "release":
+                self.release(intervention.value["robot"])
+            case "shape":
+                self.reshape(Change.model_validate(intervention.value))

@@ -43,6 +43,11 @@ class Team:
         """Set the true poses (n, 3) of tick k, before any member plans."""
         self._now = (k, np.array(poses, dtype=float))
 
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """From tick k on the formation has the offsets of this scenario."""
+        for task in self._tasks:
+            task.reshape(scenario, k)
+
     def member(self, robot: int) -> "Member":
         """The controller of one robot."""
         return Member(self, robot)

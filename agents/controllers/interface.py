@@ -126,6 +126,10 @@ class Team(Protocol):
         """Take the true poses (n, 3) of tick k, before any member plans."""
         ...
 
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """From tick k on the formation has the offsets of this scenario; before it they are the same."""
+        ...
+
     def member(self, robot: int) -> Controller:
         """The controller of one robot: its part of the plan."""
         ...

@@ -40,8 +40,8 @@ class Task:
         other = upstream(robot, scenario.size)
         self.further = upstream(other, scenario.size)
         """The upstream neighbour of the upstream neighbour."""
-        columns = [robot, other, self.further, downstream(robot, scenario.size)]
-        rounded = spec_of(controller).rounds_corners
+        self._columns = columns = [robot, other, self.further, downstream(robot, scenario.size)]
+        self._rounded = rounded = spec_of(controller).rounds_corners
         knows = scenario.path.known_to == "all" or (robot == 1 and not scenario.driven)
         self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)
         """The reference of a robot that is told the path; None if it knows it."""
@@ -62,6 +62,14 @@ class Task:
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None
         self._ahead: tuple[tuple[int, float, float], HorizonReference] | None = None
+
+    def reshape(self, scenario: Scenario, k: int) -> None:
+        """From tick k on the formation has the offsets of this scenario; before it they are the same."""
+        if self.way is not None:
+            self.way.reshape(k, scenario.offsets.rows(self._columns))
+        else:
+            self.reference = scenario.reference(self._columns, rounded=self._rounded)
+        self._ahead = self._table = None
 
     def hear(self, way: FloatArray, k: int) -> None:
         """A neighbour's preview of the path came in; from tick k on it counts, or from the reference time then."""

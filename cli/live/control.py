@@ -5,8 +5,10 @@ import argparse
 from cli.live.talk import ask
 from cli.options import add_run, session
 from dashboard.scenario_list import use_table
+from formation.disturbances import PUSHES
 from formation.errors import EchelonError
 from formation.scenario.files import is_file, load
+from formation.shapes import SHAPES
 from network import control
 from network.control import Operation
 from network.requests import Request
@@ -24,10 +26,18 @@ _ACTIONS = {
     "compare": "run a ghost beside it: another controller with the same faults; off: end it",
     "drive": "order a driven formation a speed V [m/s] and a turn rate OMEGA [rad/s]",
     "goto": "drive a driven formation's centre to X Y [m], and stop there",
+    "push": f"disturb a robot's body: {', '.join(f'{kind} ({push.help})' for kind, push in PUSHES.items())}",
+    "move": "take a robot and carry it aside by DX DY [m], within half a second",
+    "release": "end what disturbs a robot, or all",
+    "shape": "change the shape of the formation, its spacing, or both",
     "stop": "end the run and its processes",
 }
 _PAIRS = {"drive": ("V", "OMEGA"), "goto": ("X", "Y")}
 """Actions with two numbers."""
+
+
+_INTERVENTIONS = ("push", "move", "release", "shape")
+"""Actions on the robots."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +53,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
         elif name in _PAIRS:
             action.add_argument("value", nargs=2, metavar=_PAIRS[name])
+        elif name == "push":
+            action.add_argument("robot", metavar="ROBOT", help="its number, from 1")
+            action.add_argument("value", metavar="|".join(PUSHES))
+            action.add_argument("--for", dest="seconds", metavar="TIME", help="such as 10s; default: until `release`")
+        elif name == "move":
+            action.add_argument("robot", metavar="ROBOT", help="its number, from 1")
+            action.add_argument("value", nargs=2, metavar=("DX", "DY"))
+        elif name == "release":
+            action.add_argument("robot", metavar="ROBOT|all", nargs="?", default="all")
+        elif name == "shape":
+            action.add_argument("value", metavar="SHAPE", nargs="?", help=f"{', '.join(SHAPES)}; default: it stays")
+            action.add_argument("--spacing", metavar="M", help="between neighbours; default: it stays")
+            action.add_argument("--over", metavar="TIME", help="how long the change takes; default: derived")
         if name == "drive":
             action.add_argument(
                 "--for", dest="seconds", metavar="S", help="then it stops; default: until the next order"
@@ -54,6 +77,8 @@ def run(options: argparse.Namespace) -> None:
     """Send the operation to the world."""
     if options.action in _PAIRS:
         operation = _pair(options.action, options.value, getattr(options, "seconds", None))
+    elif options.action in _INTERVENTIONS:
+        operation = _intervention(options)
     else:
         operation = _operation(options.action, getattr(options, "value", ""))
     with session(options, orders=True) as live:
@@ -66,6 +91,23 @@ def _pair(action: str, values: list[str], seconds: str | None) -> Operation:
     names = [name.lower() for name in _PAIRS[action]]
     numbers = {name: _number(action, value, float) for name, value in zip(names, values, strict=True)}
     return control.operation(Request(action, {**numbers, **({} if seconds is None else {"seconds": seconds})}))
+
+
+def _intervention(options: argparse.Namespace) -> Operation:
+    """What is done to the robots."""
+    action, wanted = options.action, dict[str, object]()
+    if action in ("push", "move") or (action == "release" and options.robot != "all"):
+        wanted["robot"] = _number(action, options.robot.removeprefix("robot-"), int)
+    match action:
+        case "push":
+            wanted |= {"kind": options.value, "seconds": options.seconds}
+        case "move":
+            dx, dy = (_number(action, value, float) for value in options.value)
+            wanted |= {"dx": dx, "dy": dy}
+        case "shape":
+            spacing = None if options.spacing is None else _number("--spacing", options.spacing, float)
+            wanted |= {"shape": options.value, "spacing": spacing, "over": options.over}
+    return control.operation(Request(action, wanted))
 
 
 def _operation(action: str, value: str) -> Operation:

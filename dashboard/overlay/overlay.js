@@ -121,8 +121,8 @@
       made.index = Number(chip.dataset.index);
       if (made.html !== chip.innerHTML) {
         made.html = made.element.innerHTML = chip.innerHTML;
-        made.width = made.element.offsetWidth;
-        made.height = made.element.offsetHeight;
+        made.width = made.element.offsetWidth + 1;
+        made.height = made.element.offsetHeight + 1;
       }
     }
     for (const name of left) { chips.get(name).element.remove(); chips.delete(name); }
@@ -139,12 +139,13 @@
       w, h};
   }
   function placeChips(project, area, taken) {
-    const floor = area.height - 100;
+    const floor = area.height - 100, told = chips.has("told") && project("/told", 1);
+    if (told) taken.push({x: told.x - 12, y: told.y - 12, w: 24, h: 24});
     for (const chip of chips.values()) {
       const at = project(chip.node, chip.index);
       chip.element.style.visibility = at ? "visible" : "hidden";
       if (!at) continue;
-      const away = Math.max(LEAST, config.length * at.perMetre) * 0.62 + 12;
+      const away = chip.node === "/told" ? 18 : Math.max(LEAST, config.length * at.perMetre) * 0.62 + 12;
       const cost = side => {
         const b = box(chip, at, side, away);
         const out = Math.max(0, 4 - b.x) + Math.max(0, b.x + b.w + 4 - area.width) + Math.max(0, 34 - b.y) +

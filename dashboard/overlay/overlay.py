@@ -17,11 +17,10 @@ from dashboard.overlay.chips import chips
 from dashboard.overlay.status_line import status_line
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.scene.layers import Sizes
-from dashboard.telemetry.beliefs import BeliefView
-from dashboard.telemetry.links import LinkView
-from dashboard.telemetry.snapshot import Snapshot
+from dashboard.telemetry.feed import View
 from dashboard.theme.templates import render
 
+SCRIPTS = ("overlay", "time_line")
 MAX_TEXT = 64
 """Of what a page writes into the hidden field."""
 
@@ -44,7 +43,7 @@ class Overlay:
         self._text: Any = gui.add_text("Overlay", "")
         self._text.on_update(self._written)
         label = f"label[for='{self._text._impl.uuid}']"
-        script = files("dashboard").joinpath("overlay/overlay.js").read_text(encoding="utf-8").replace("LABEL", label)
+        script = "\n".join(_script(name) for name in SCRIPTS).replace("LABEL", label)
         self._config = gui.add_html("")
         self._status = gui.add_html("")
         self._chips = gui.add_html("")
@@ -74,16 +73,20 @@ class Overlay:
                     self._notices[number] = client.gui.add_html("")
                 self._notices[number].content = content
 
-    def draw(self, snapshot: Snapshot, links: list[LinkView], beliefs: list[BeliefView], sizes: Sizes) -> None:
-        """Show the status line and the chips of this moment."""
+    def draw(self, view: View, sizes: Sizes) -> None:
+        """Show the status line and the chips of a moment."""
         config = {"length": sizes.body[0], "digit": 0.024 * sizes.unit}
-        set_if_changed(self._config, "content", _part("config", config))
-        line = status_line(snapshot, links)
+        set_if_changed(self._config, "content", hidden_part("config", config))
+        line = status_line(view.snapshot, view.links)
         set_if_changed(self._status, "content", render("overlay/status_line.html", line=line))
-        shown = render("overlay/chips.html", chips=chips(snapshot, beliefs))
+        shown = render("overlay/chips.html", chips=chips(view.snapshot, view.beliefs))
         set_if_changed(self._chips, "content", shown)
 
 
-def _part(name: str, value: object) -> str:
+def hidden_part(name: str, value: object) -> str:
     """A hidden element that holds a value for the script."""
     return f'<div hidden class="e-source" data-part="{name}" data-value="{escape(json.dumps(value))}"></div>'
+
+
+def _script(name: str) -> str:
+    return files("dashboard").joinpath(f"overlay/{name}.js").read_text(encoding="utf-8")

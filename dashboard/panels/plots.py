@@ -107,8 +107,13 @@ class Chart:
         """In the current tab."""
         self._plot = plot
         self._title: Any = gui.add_html("")
-        # Behind the plot's own curves: its limit, the least top of its axis, and a spike at each event.
-        extra = (Curve("", "limit", LIMIT, (5.0, 5.0)), Curve("", "floor", INVISIBLE), Curve("", "event", EVENT))
+        # Behind the plot's own curves: its limit, the least top of its axis, spikes at events and at the cursor.
+        extra = (
+            Curve("", "limit", LIMIT, (5.0, 5.0)),
+            Curve("", "floor", INVISIBLE),
+            Curve("", "event", EVENT),
+            Curve("", "cursor", "ink"),
+        )
         curves = (*plot.curves, *extra)
         # One plot for each theme, of which one is shown: a plot that changes its colours would lose its time axis.
         self._handles = {palette: self._add(gui, curves, palette) for palette in (DARK, LIGHT)}
@@ -134,12 +139,13 @@ class Chart:
             self._handle.data = shown.data
             shown.visible, self._handle.visible = False, True
 
-    def draw(self, series: dict[str, FloatArray], *, ghost: bool) -> None:
+    def draw(self, series: dict[str, FloatArray], *, ghost: bool, cursor: float | None = None) -> None:
         """Show the columns of the history.
 
         Args:
             series: columns by name.
             ghost: whether there is a ghost.
+            cursor: the moment that is looked at, if it is not the newest [s].
         """
         plot = self._plot
         shown = [curve for curve in plot.curves if ghost or not curve.ghost]
@@ -151,7 +157,11 @@ class Chart:
         limit = plot.limit if near and plot.limit is not None else hidden
         values = [np.nan_to_num(value, nan=hidden) for value in values]
         flat = [np.full_like(values[0], level) for level in (limit, plot.floor)]
-        self._handle.data = (series["t"], *values, *flat, np.where(series["event"] > 0.0, max(top, limit), hidden))
+        event = np.where(series["event"] > 0.0, max(top, limit), hidden)
+        here = np.full_like(event, hidden)
+        if cursor is not None:
+            here[np.abs(series["t"] - cursor).argmin()] = max(top, limit)
+        self._handle.data = (series["t"], *values, *flat, event, here)
 
 
 def _series(curves: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...]:

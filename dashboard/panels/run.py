@@ -10,8 +10,8 @@ from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
 from dashboard.panels.run_summary import run_summary
 from dashboard.requests import RequestQueue
 from dashboard.scenario_list import ScenarioList
+from dashboard.telemetry.feed import View
 from dashboard.telemetry.history import History
-from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 from formation.errors import ScenarioError
@@ -96,10 +96,11 @@ class RunPanel:
 
     # ------------------------------------------------------------------ from the world to the panel
 
-    def draw(self, snapshot: Snapshot, links: list[LinkView], history: History) -> None:
-        """Show the state of the run."""
-        set_if_changed(self._summary, "content", run_summary(snapshot, links))
-        state = snapshot.state
+    def draw(self, live: View, view: View, history: History) -> None:
+        """Show the state of the run: numbers of the moment that is looked at, controls as they are now."""
+        summary = run_summary(view.snapshot, view.links, rewound=view.place is not None)
+        set_if_changed(self._summary, "content", summary)
+        snapshot, state = live.snapshot, live.snapshot.state
         if state is None:
             return
         self._status = state.status if snapshot.world_alive else ""

@@ -32,12 +32,15 @@ class Tile(NamedTuple):
     """0 is healthy, 1 the limit."""
 
 
-def run_summary(snapshot: Snapshot, links: list[LinkView]) -> str:
-    """HTML of the run's condition, its time, the three numbers and a chip per robot."""
+REWOUND = Condition("REWOUND", "warn", "Buttons and sliders show the run as it is, and act now.")
+
+
+def run_summary(snapshot: Snapshot, links: list[LinkView], *, rewound: bool = False) -> str:
+    """HTML of the run's condition, its time, the three numbers and a chip per robot; of now, or of a moment before."""
     state = snapshot.state
     return render(
         "panels/run_summary.html",
-        condition=condition(snapshot),
+        condition=REWOUND if rewound else condition(snapshot),
         state=state,
         world_alive=snapshot.world_alive,
         gap="" if state is None else " ".join(length(state.gap)),

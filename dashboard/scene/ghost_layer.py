@@ -6,7 +6,7 @@ import numpy as np
 import viser
 
 from dashboard.scene import geometry, layers, nodes
-from dashboard.telemetry.ghost_track import GhostTrack
+from dashboard.telemetry.feed import Ghosts
 from dashboard.telemetry.series import TRAIL_POINTS
 from dashboard.theme import colours
 from dashboard.theme.palette import Palette
@@ -44,7 +44,7 @@ class GhostLayer:
         """Show the ghost if there is one, or hide it."""
         self._allowed = allowed
 
-    def draw(self, track: GhostTrack, stamp: float, *, trails: bool) -> None:
+    def draw(self, track: Ghosts, stamp: float, *, trails: bool) -> None:
         """Bring it up to date; call within server.atomic().
 
         Args:

@@ -136,7 +136,9 @@ def believed(beliefs: list[BeliefView], poses: FloatArray, steps: int) -> tuple[
     places, lines = poses.copy(), np.repeat(poses[:, None, :2], steps + 1, axis=1)
     for belief in beliefs:
         if len(belief.line) == steps + 1:
-            places[belief.sender - 1], lines[belief.sender - 1] = belief.pose, belief.line
+            place = poses[belief.sender - 1, :2] + belief.offset
+            places[belief.sender - 1] = *place, belief.pose[2]
+            lines[belief.sender - 1] = belief.line - belief.pose[:2] + place
     return places, lines
 
 
@@ -145,7 +147,7 @@ def off(beliefs: list[BeliefView], poses: FloatArray) -> FloatArray:
     start, end = poses[:, :2], poses[:, :2].copy()
     for belief in beliefs:
         if belief.error > DISTANCE_LIMIT:
-            end[belief.sender - 1] = belief.pose[:2]
+            end[belief.sender - 1] += belief.offset
     at = (np.arange(DASHES)[:, None] + [0.0, 0.6]) / DASHES
     return np.asarray(start[:, None, None] + (end - start)[:, None, None] * at[None, :, :, None]).reshape(-1, 2, 2)
 

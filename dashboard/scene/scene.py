@@ -9,7 +9,7 @@ import viser
 from dashboard.scene import geometry, layers, nodes
 from dashboard.scene.ghost_layer import GhostLayer
 from dashboard.telemetry.beliefs import BeliefView
-from dashboard.telemetry.history import History
+from dashboard.telemetry.feed import View
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
@@ -42,6 +42,7 @@ class Scene:
         server: viser.ViserServer,
         on_robot: Callable[[viser.ClientHandle, int], None],
         on_link: Callable[[int], None],
+        on_drag: Callable[[int, viser.SceneNodeDragEvent[Any]], None],
     ) -> None:
         """An empty scene.
 
@@ -49,8 +50,9 @@ class Scene:
             server: whose scene is used.
             on_robot: a user clicked this robot.
             on_link: a user clicked the link with this sender.
+            on_drag: a user drags this robot.
         """
-        self._server, self._on_robot, self._on_link = server, on_robot, on_link
+        self._server, self._on_robot, self._on_link, self._on_drag = server, on_robot, on_link, on_drag
         self._nodes: dict[str, Any] = {}
         self._hidden: set[str] = set()
         self._scenario: Scenario | None = None
@@ -106,24 +108,14 @@ class Scene:
         """Of what is drawn."""
         return self._sizes
 
-    def draw(
-        self,
-        snapshot: Snapshot,
-        links: list[LinkView],
-        beliefs: list[BeliefView],
-        history: History,
-        *,
-        whole: bool,
-    ) -> None:
+    def draw(self, view: View, *, whole: bool) -> None:
         """Bring the scene up to date; call within server.atomic().
 
         Args:
-            snapshot: what is known.
-            links: health of the ring's links.
-            beliefs: of the robots.
-            history: for the trails.
+            view: the moment that is shown.
             whole: also the layers that otherwise take turns from frame to frame.
         """
+        snapshot, links = view.snapshot, view.links
         state, scenario = snapshot.state, snapshot.scenario
         if state is None or scenario is None or scenario.size != len(state.poses):
             return
@@ -138,17 +130,17 @@ class Scene:
             self._connect(snapshot.poses, links)
         trails = whole or self._frame % SLOW == 1
         if trails:
-            self._nodes["/trails"].points = geometry.segments(history.trails(snapshot.poses), self._sizes.z(2))
+            self._nodes["/trails"].points = geometry.segments(view.trails(snapshot.poses), self._sizes.z(2))
         if self._ghost is not None:
             self._ghost.allow(self._ghost_shown)
-            self._ghost.draw(history.ghost, snapshot.stamp, trails=trails)
+            self._ghost.draw(view.ghosts, snapshot.stamp, trails=trails)
         if state is not self._state:
             self._state = state
             self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)
-            self._believe(snapshot, beliefs, scenario.controller.horizon)
+            self._believe(snapshot, view.beliefs, scenario.controller.horizon)
         if whole or self._frame % SLOW == 0 or self._focus_drawn != self.focus:
             self._focus_drawn = self.focus
             self._recolour(state, links)
@@ -224,11 +216,17 @@ class Scene:
         for name in self._hidden:
             self._nodes[name].visible = False
         self._nodes["/bodies"].on_click(self._clicked_robot)
+        self._nodes["/bodies"].on_drag(self._dragged_robot)
         self._nodes["/heads"].on_click(self._clicked_link)
 
     def _clicked_robot(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:
             self._on_robot(event.client, event.instance_index + 1)
+
+    async def _dragged_robot(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+        """Asynchronous, because viser then keeps the order of a drag's events."""
+        if event.instance_index is not None:
+            self._on_drag(event.instance_index + 1, event)
 
     def _clicked_link(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         if event.instance_index is not None:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashboard.telemetry.snapshot import Snapshot
 from formation.arrays import FloatArray
 from formation.pattern import upstream
 from formation.unicycle import roll_out, step
@@ -22,8 +23,36 @@ class BeliefView(NamedTuple):
     """(3,) where it believes the sender to be now [m, m, rad]."""
     line: FloatArray
     """(N + 1, 2) where it believes the sender to drive from now on [m]."""
-    error: float
-    """Distance from there to where the sender is [m]."""
+    offset: FloatArray
+    """(2,) from where the sender is to there [m]."""
+
+    @property
+    def error(self) -> float:
+        """Distance of the two [m]."""
+        return math.hypot(*self.offset.tolist())
+
+
+class Beliefs:
+    """The beliefs in the newest statuses: each is compared with the truth once, when its status comes in.
+
+    Statuses come ten times a second; carried on in between by inputs that are not the sender's, a belief would seem
+    worse than it is. The page shows it beside the sender, as far off as it was.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[Status, BeliefView | None]] = {}
+
+    def update(self, snapshot: Snapshot) -> list[BeliefView]:
+        """The beliefs of all robots, in the order of the receivers."""
+        state, scenario = snapshot.state, snapshot.scenario
+        if state is None or scenario is None:
+            return []
+        known = self._known
+        new = {i: one for i, one in snapshot.statuses.items() if i not in known or known[i][0] is not one}
+        interval = scenario.controller.prediction_interval
+        found = {view.receiver: view for view in beliefs(state, new, snapshot.poses, snapshot.stamp, interval)}
+        self._known = {i: (one, found.get(i)) if i in new else known[i] for i, one in sorted(snapshot.statuses.items())}
+        return [view for _, view in self._known.values() if view is not None and view.sender <= len(snapshot.poses)]
 
 
 def beliefs(
@@ -50,8 +79,7 @@ def beliefs(
     views = []
     for (receiver, pose, _), line in zip(found, lines, strict=True):
         sender = upstream(receiver, n)
-        error = math.dist(pose[:2], poses[sender - 1, :2])
-        views.append(BeliefView(receiver, sender, pose, line[:, :2], error))
+        views.append(BeliefView(receiver, sender, pose, line[:, :2], pose[:2] - poses[sender - 1, :2]))
     return views
 
 

@@ -37,6 +37,8 @@ SETUP_INTERVAL = 0.25
 class TelemetrySubscriber:
     """Subscribes to the states, statuses and ghosts of a run: some hundred messages a second, but no plans."""
 
+    live = True
+
     def __init__(self, bus: Bus) -> None:
         """Subscribe; `start` then begins to receive."""
         self._bus = bus

@@ -14,8 +14,8 @@ from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
 from network.values import LinkCounts
-from world.contacts import Contacts
-from world.trace import Trace
+from world.measures.contacts import Contacts
+from world.measures.trace import Trace
 
 
 class Event(Model):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from formation.arrays import FloatArray
-from formation.driving.law import Order
+from formation.driving.law import Law, Order
 from formation.driving.track import Track
 from formation.offsets import Offsets
 from formation.reference import Block, block_of
@@ -29,6 +29,12 @@ class DrivenReference:
     def order(self, k: int, order: Order) -> None:
         """Give an order that counts from tick k on, which is not before the newest order's."""
         self.track.order(k, order)
+        self._block = None
+
+    def reshape(self, k: int, offsets: Offsets, law: Law) -> None:
+        """From tick k on other offsets and another law hold; before it they are the same."""
+        self._offsets = offsets
+        self.track.obey(k, law)
         self._block = None
 
     def block(self, k: int) -> Block:

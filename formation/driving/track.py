@@ -46,6 +46,11 @@ class Track:
             self.orders.pop()
         self.orders.append(Dated(k, order))
 
+    def obey(self, k: int, law: Law) -> None:
+        """From tick k on another law holds."""
+        self.order(k, self.orders[-1].order)
+        self.law = law
+
     def at(self, k: int) -> Centre:
         """The centre at tick k."""
         self._reach(k)

@@ -121,10 +121,10 @@ class Scenario(Model):
             raise ValueError(f"bodies.{error}") from None
         for line in robots_missing(self.disturbances, self.size):
             raise ValueError(line)
-        wrong = self._offsets.crowded()
+        wrong = self.offsets.crowded()
         if wrong:
             raise ValueError(f"formation.changes: {wrong}")
-        wrong = spike(self.path, self._offsets.reach) if self.formation.orientation == "path" else ""
+        wrong = spike(self.path, self.offsets.reach) if self.formation.orientation == "path" else ""
         if wrong:
             raise ValueError(f"path: {wrong}")
         return self
@@ -170,7 +170,8 @@ class Scenario(Model):
         return pattern(self.formation.array)
 
     @cached_property
-    def _offsets(self) -> Offsets:
+    def offsets(self) -> Offsets:
+        """Where the robots stand in the formation, by the path's time."""
         return Offsets(self.formation, self.path)
 
     @property
@@ -189,12 +190,12 @@ class Scenario(Model):
         """How the centre of a driven formation answers to orders."""
         assert isinstance(self.path, Driven)
         limits = self.robots.limits.v, self.robots.limits.omega
-        return law_of(self.path, self.formation, limits, self._offsets.reach, self.control_interval)
+        return law_of(self.path, self.formation, limits, self.offsets.reach, self.control_interval)
 
     def driving(self, robots: Iterable[int] | None = None) -> DrivenReference:
         """The reference of these robots, or of all, along a driven path before any order."""
         assert isinstance(self.path, Driven)
-        offsets = self._offsets if robots is None else self._offsets.rows(list(robots))
+        offsets = self.offsets if robots is None else self.offsets.rows(list(robots))
         track = Track(self.law, 0, at_rest(self.path, self.formation))
         return DrivenReference(track, offsets, stride=self.stride, horizon=self.controller.horizon)
 
@@ -233,7 +234,7 @@ class Scenario(Model):
         """The reference of robots that are told the path; arguments as of `reference`."""
         start = self.driving([1]).preview(-1) if self.driven else self.reference([1], rounded=rounded).preview(0)
         return HeardReference(
-            self._offsets.rows(list(robots)),
+            self.offsets.rows(list(robots)),
             start,
             control_interval=self.control_interval,
             stride=self.stride,
@@ -242,7 +243,7 @@ class Scenario(Model):
         )
 
     def _motion(self, robots: list[int] | None = None, *, rounded: bool) -> Motion:
-        offsets, interval = self._offsets, self.controller.prediction_interval
+        offsets, interval = self.offsets, self.controller.prediction_interval
         orientation = orientation_of(
             self.formation,
             self.path,
@@ -264,7 +265,7 @@ class Scenario(Model):
             return []
         return tight_turns(
             self.path,
-            reach=self._offsets.reach,
+            reach=self.offsets.reach,
             interval=self.controller.prediction_interval,
             step=self.control_interval,
             until=self._examined,
@@ -278,13 +279,13 @@ class Scenario(Model):
     def _examined(self) -> float:
         """How far a path is looked at before it is driven, by its own time [s]: a lap, or to the end."""
         period = self.path.period
-        lap = self.duration if period is None else period + self._offsets.settled
+        lap = self.duration if period is None else period + self.offsets.settled
         return min(lap, MAX_TICKS * self.control_interval)
 
     def feasibility(self) -> Feasibility:
         """Whether the robots can follow the reference, slot by slot, and where not; orders are within what they can."""
         if self.driven:
-            return unexamined(self.size, (self.robots.limits.v, self.robots.limits.omega), self._offsets.reach)
+            return unexamined(self.size, (self.robots.limits.v, self.robots.limits.omega), self.offsets.reach)
         motion = self._motion(rounded=True)
         return examine(
             motion, self._schedule, self._limits, self._tight_turns, until=self._examined, duration=self.duration

@@ -78,7 +78,8 @@ class GhostNode:
 
     def _lacks(self, shadow: Shadow, state: State) -> bool:
         """Whether there are faults or orders up to the state that the ghost does not know."""
-        return self._revision != state.revision or shadow.drives_known < state.driving.orders
+        behind = shadow.drives_known < state.driving.orders or shadow.interventions_known < state.interventions
+        return self._revision != state.revision or behind
 
     @staticmethod
     def _goal(shadow: Shadow, state: State) -> int:
@@ -134,7 +135,9 @@ class GhostNode:
         if shadow is None or not self._fits(shadow, state):
             wanted = GetSetup()
         elif self._lacks(shadow, state):
-            wanted = GetOrders(tables=shadow.tables_known, drives=shadow.drives_known)
+            wanted = GetOrders(
+                tables=shadow.tables_known, drives=shadow.drives_known, interventions=shadow.interventions_known
+            )
         else:
             return
         if now >= self._ask_at:
@@ -163,12 +166,16 @@ class GhostNode:
         if not reply.ok:
             raise EchelonError(reply.reason)
         told = Orders.model_validate(reply.value)
-        known = shadow.tables_known, shadow.drives_known
-        if told.episode != shadow.episode or tuple(map(asked.arguments.get, ("tables", "drives"))) != known:
+        known = {
+            "tables": shadow.tables_known,
+            "drives": shadow.drives_known,
+            "interventions": shadow.interventions_known,
+        }
+        if told.episode != shadow.episode or asked.arguments != known:
             return
-        if not any(known):
+        if not any(known.values()):
             shadow.resume_at(told.resumed)
-        shadow.learn(told.tables, told.drives)
+        shadow.learn(told.tables, told.drives, told.interventions)
         self._ask_at = 0.0
         if not told.tables or shadow.tables_known >= told.changes:
             self._revision = self._asked_revision

@@ -7,14 +7,17 @@ enough to have the same tables of faults, and the same orders of a driver, at th
 from collections import deque
 from collections.abc import Iterable, Mapping
 
+from agents.agent import Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.paths.driven import Driven
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Ghost
+from network.values import Intervention
 from runtime.inprocess import Simulation
 from world.run_control import with_controller
+from world.world import World
 
 
 class Shadow:
@@ -30,14 +33,22 @@ class Shadow:
         """
         same = controller == scenario.controller.name
         self.controller, self.episode = controller, episode
-        self.tables_known = self.drives_known = 0
-        """Number of fault tables and of the driver's orders that are known."""
+        self.tables_known = self.drives_known = self.interventions_known = 0
+        """Number of fault tables, of the driver's orders and of interventions that are known."""
         own = without_commands(scenario if same else with_controller(scenario, controller))
         self._simulation = Simulation(own, endless=True)
         self._interval = scenario.control_interval
         self._tables: deque[tuple[float, Mapping[LinkId, Fault]]] = deque()
         self._drives: deque[tuple[int, float, float]] = deque()
+        self._interventions: deque[Intervention] = deque()
         self._resumed: list[int] = []
+        self.answers: dict[int, Answer] = {}
+        """Of the agents to the last tick."""
+
+    @property
+    def world(self) -> World:
+        """Its world."""
+        return self._simulation.world
 
     @property
     def k(self) -> int:
@@ -60,13 +71,17 @@ class Shadow:
         return self._simulation.finished
 
     def learn(
-        self, tables: Iterable[tuple[float, Mapping[LinkId, Fault]]], drives: Iterable[tuple[int, float, float]] = ()
+        self,
+        tables: Iterable[tuple[float, Mapping[LinkId, Fault]]],
+        drives: Iterable[tuple[int, float, float]] = (),
+        interventions: Iterable[Intervention] = (),
     ) -> None:
         """Add what comes next in the live episode.
 
         Args:
             tables: of faults, each with the time from which on it holds [s].
             drives: orders of the driver: tick from which on it counts, v [m/s], omega [rad/s].
+            interventions: what users did to the robots.
         """
         for table in tables:
             self._tables.append(table)
@@ -74,6 +89,9 @@ class Shadow:
         for drive in drives:
             self._drives.append(drive)
             self.drives_known += 1
+        for intervention in interventions:
+            self._interventions.append(intervention)
+            self.interventions_known += 1
 
     def resume_at(self, ticks: Iterable[int]) -> None:
         """At these ticks, in order, the live world went on from a saved state: here too every agent begins anew."""
@@ -83,8 +101,8 @@ class Shadow:
         """Number of the tick with this stamp [s]."""
         return round(stamp / self._interval)
 
-    def step(self) -> None:
-        """Simulate one tick."""
+    def begin_tick(self) -> None:
+        """Carry out what is ordered for the tick that comes next; `step` does it too."""
         world = self._simulation.world
         while self._resumed and self._resumed[0] <= world.k:
             del self._resumed[0]
@@ -93,7 +111,19 @@ class Shadow:
             world.impose_faults(self._tables.popleft()[1])
         while world.driver and self._drives and self._drives[0][0] <= world.k:
             world.driver.impose(world.k, *self._drives.popleft()[1:])
-        self._simulation.step()
+        while self._interventions and self._interventions[0].tick <= world.k:
+            world.repeat(self._interventions.popleft())
+
+    def step(self) -> None:
+        """Simulate one tick."""
+        self.begin_tick()
+        self.answers = self._simulation.step()
+
+    def hear_statuses(self) -> None:
+        """The world hears what its agents know of their links, as at the end of an episode."""
+        world = self._simulation.world
+        for agent in self._simulation.agents.values():
+            world.hear(agent.status(max(0, world.k - 1), world.now))
 
     def message(self, seq: int) -> Ghost:
         """The Ghost message of now."""

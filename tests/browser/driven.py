@@ -202,4 +202,4 @@ class Driven:
 def _click(found: "Locator") -> None:
     """Click without waiting for two equal frames, which take seconds when the processor draws them."""
     found.wait_for(state="attached", timeout=20_000)
-    found.evaluate("element => element.click()")
+    found.evaluate("element => { element.scrollIntoView({block: 'center'}); element.click(); }")

@@ -101,3 +101,62 @@ def test_a_cut_is_seen_in_the_line_in_chips_and_where_the_way_ended(page: Driven
     page.press("Start")
     page.wait_text("2, 3 and 4 learn it", 60.0)
     assert page.errors == []
+
+
+def drag(page: Driven, share: float) -> None:
+    """Drag the handle of the time line to a share of what is kept, as a user does."""
+    box = page.page.locator(".e-track").bounding_box()
+    assert box is not None
+    mouse = page.page.mouse
+    mouse.move(box["x"] + box["width"] - 2, box["y"] + 50)
+    mouse.down()
+    mouse.move(box["x"] + 0.5 * (1 + share) * box["width"], box["y"] + 50)
+    mouse.move(box["x"] + share * box["width"], box["y"] + 50)
+    mouse.up()
+
+
+def stands_still(page: Driven) -> bool:
+    """Whether the robots that are drawn do not move."""
+    before = page.bodies()
+    page.page.wait_for_timeout(700)
+    return np.array_equal(page.bodies(), before)
+
+
+def test_a_drag_shows_the_moment_while_the_run_goes_on_and_live_returns(page: Driven, run: BrowserRun) -> None:
+    page.wait_text("● LIVE")
+    run.ask(SetFault(link="2->3", changes={"cut": True}))
+    page.wait_text(r"✕ 2→3 cut", 20.0)
+    run.ask(Clear())
+    page.page.wait_for_timeout(1500)
+    drag(page, 0.5)
+    page.wait_text("REWOUND")
+    page.wait_text(r"Looking at t = \d+\.\d s .* the run goes on at \d+\.\d s")
+    page.until(lambda: stands_still(page), "a moment that stands still")
+    before, stamp = page.bodies(), run.state().stamp
+    page.page.wait_for_timeout(1000)
+    np.testing.assert_array_equal(page.bodies(), before)
+    assert run.state().stamp > stamp
+    assert np.abs(before[:, :2] - run.state().poses[:, :2]).max() > 0.02
+    box = page.page.locator(".e-frame").evaluate("e => getComputedStyle(e).borderTopWidth")
+    assert box == "2px"
+    page.page.keyboard.press("n")  # not a key of the page's
+    page.page.locator(".e-handle").press("ArrowRight")
+    page.until(lambda: bool(np.abs(page.bodies() - before).max() > 1e-3), "a second later")
+    page.press("Next event")
+    page.wait_text(r"0\.\d s after \d→\d cut", 20.0)
+    page.page.locator(".e-live").click()
+    page.wait_text("● LIVE")
+    page.until(lambda: "REWOUND" not in page.text(), "the run as it is")
+    page.until(lambda: bool(np.abs(page.bodies()[:, :2] - run.state().poses[:, :2]).max() < 0.05), "robots of now")
+
+
+def test_a_reset_begins_a_new_episode_and_the_old_one_can_be_looked_at(page: Driven, run: BrowserRun) -> None:
+    ended = run.state().stamp
+    page.press("Reset")
+    page.until(lambda: run.state().stamp < ended - 5.0, "another episode")
+    page.page.wait_for_timeout(2500)
+    drag(page, 0.3)
+    page.wait_text("an earlier episode")
+    page.page.locator(".e-handle").press("Escape")
+    page.wait_text("● LIVE")
+    assert page.errors == []

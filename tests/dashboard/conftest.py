@@ -19,8 +19,8 @@ def page() -> Iterator[Page]:
     """A page of three robots that nobody looks at."""
     served = serve(Guard("127.0.0.1"), 0, "x")
     made = Page(served, bus())
-    assert receive(made._telemetry, topics.state("x"), encode(state()))
-    made._telemetry.update_scenario()
+    assert receive(made._feed.source, topics.state("x"), encode(state()))
+    made._feed.source.update_scenario()
     assert made._frame() == 3
     yield made
     server.stop(served)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
+from dashboard.telemetry.feed import Source
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import TelemetrySubscriber
@@ -52,8 +53,9 @@ def bus() -> MemoryBus:
     return hub.join("x")
 
 
-def receive(telemetry: TelemetrySubscriber, key: str, payload: bytes) -> bool:
+def receive(telemetry: Source, key: str, payload: bytes) -> bool:
     """Give it a payload; returns whether it was stored, not rejected."""
+    assert isinstance(telemetry, TelemetrySubscriber)
     before = telemetry._rejects.count
     telemetry._take(Sample(key, payload))
     return telemetry._rejects.count == before

@@ -56,12 +56,12 @@ def test_without_an_open_page_every_state_is_kept_and_few_are_drawn(
         @property
         def over(self) -> bool:
             self.moments += 1
-            assert receive(page._telemetry, topics.state("x"), encode(state(stamp=1.0 + 0.2 * self.moments)))
+            assert receive(page._feed.source, topics.state("x"), encode(state(stamp=1.0 + 0.2 * self.moments)))
             return self.moments > 25
 
     monkeypatch.setattr(page, "_frame", frame)
     page.serve(_Lifetime())  # type: ignore[arg-type]
-    kept = page._export_buffer.data()
+    kept = page._feed.export_buffer.data()
     assert kept is not None
     assert len(kept.t) >= 25, "every moment"
     assert drawn

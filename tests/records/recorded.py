@@ -4,6 +4,7 @@ from pathlib import Path
 
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
+from network.values import Mode
 from records.file import RecordFile
 from records.recorder import Detail
 from runtime.inprocess import Simulation
@@ -17,9 +18,12 @@ def scenario(*settings: str, name: str = "triangle-circle") -> Scenario:
     return load(name, [*LOSSY, *settings])
 
 
-def record(path: Path, what: Scenario, detail: Detail = "default", *, flush_every: int = 50) -> Simulation:
-    """Simulate it, with a record in a new file."""
+def record(
+    path: Path, what: Scenario, detail: Detail = "default", *, flush_every: int = 50, mode: Mode = "lockstep"
+) -> Simulation:
+    """Simulate it, with a record in a new file that says it is of this mode."""
     simulation = Simulation(what)
+    simulation.world.mode = mode
     with RecordFile(path) as file:
         recording = Recording(simulation, file, STARTED, detail)
         while not simulation.finished:

@@ -1,6 +1,7 @@
 """Laws of records: ordinary readers read them, and every message says what was so in the run."""
 
 import zlib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
+from formation.faults import PERFECT
+from formation.link_ids import LinkId
 from formation.metrics import pattern_errors
 from formation.scenario.scenario import Scenario
 from network.codec import decode as decoded
@@ -15,7 +18,7 @@ from network.messages import Command, Plan, Tick
 from network.stretch import Stretch
 from records.file import RecordFile
 from records.record import Record, load
-from records.recorder import Recorder
+from records.recorder import FAULT_KEYS, Recorder
 from runtime.inprocess import Simulation
 from tests.exceptions import needs
 from tests.records.recorded import STARTED, record, scenario
@@ -26,9 +29,9 @@ from world.world import World
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Simulation, Record]:
-    """A record of full detail, the simulation that it is of, and what we read of it."""
+    """A record of full detail of what says that it ran in real time, the simulation that it is of, and what we read."""
     path = tmp_path_factory.mktemp("records") / "full.mcap"
-    simulation = record(path, scenario(), "full")
+    simulation = record(path, scenario(), "full", mode="realtime")
     return path, simulation, load(path)
 
 
@@ -81,6 +84,14 @@ def test_every_message_of_a_record_says_what_was_so(run: Any) -> None:
                 distance, angle = pattern_errors(pose, slots[tick])
                 np.testing.assert_allclose(fields["distance_error"], distance, atol=1e-12)
                 np.testing.assert_allclose(fields["angle_error"], angle, atol=1e-12)
+            case ["contacts"]:
+                apart = np.linalg.norm(pose[[0, 0, 1], :2] - pose[[1, 2, 2], :2], axis=1)
+                np.testing.assert_allclose(fields["clearance"], apart.min(), atol=1e-12)
+                np.testing.assert_allclose(fields["gap"], apart.min() - 2.0 * scenario.bodies.radius, atol=1e-12)
+            case ["faults"]:
+                table = next(f for at, f in reversed(simulation.world.faults.since(0)) if round(at / 0.01) <= tick)
+                known = table.get(LinkId.parse(fields["link"]), PERFECT)
+                assert all(fields[key] == float(getattr(known, key)) for key in FAULT_KEYS)
             case ["tf"]:
                 placed = {one["child_frame_id"]: one["transform"]["translation"] for one in fields["transforms"]}
                 for i in range(scenario.size):
@@ -88,12 +99,23 @@ def test_every_message_of_a_record_says_what_was_so(run: Any) -> None:
                         got = [placed[frame]["x"], placed[frame]["y"]]
                         np.testing.assert_allclose(got, where[:2], atol=2.0**-17 + 1e-12)
             case ["markers"]:
-                assert [marker["ns"] for marker in fields["markers"]] == ["edges", "slots"]
-                for marker in fields["markers"]:
+                assert [marker["ns"] for marker in fields["markers"]] == ["edges", "slots", "links"]
+                for marker in fields["markers"][:2]:
                     starts = [[point["x"], point["y"]] for point in marker["points"][::2]]
                     np.testing.assert_allclose(starts, pose[:, :2], atol=2.0**-17)
     assert {f"/robot{i}/{what}" for i in (1, 2, 3) for what in ("odom", "cmd_vel", "plan", "belief", "link")} <= seen
-    assert {"/tf", "/markers", "/metrics", "/log", "/orders", "/ticks", "/checks", "/wire/tick"} <= seen
+    assert {
+        "/faults",
+        "/contacts",
+        "/tf",
+        "/markers",
+        "/metrics",
+        "/log",
+        "/orders",
+        "/ticks",
+        "/checks",
+        "/wire/tick",
+    } <= seen
 
 
 def test_an_independent_implementation_reads_the_same(run: Any) -> None:
@@ -160,6 +182,22 @@ def test_a_record_of_everything_holds_every_message_of_the_wire(run: Any) -> Non
     assert all(found == list(range(ticks)) for topic, found in seqs.items() if not topic.endswith("plan"))
 
 
+def test_what_can_be_simulated_again_is_not_recorded_and_the_rest_is(tmp_path: Path) -> None:
+    world = World(scenario())
+    journal = Journal(world, wanted=True)
+    first, second = stretches(world, journal, 100), stretches(world, journal, 20, answering=(1, 3))
+    with RecordFile(tmp_path / "lost.mcap") as file:
+        recorder = Recorder(file, "run", STARTED, detail="full")
+        for stretch in first:
+            recorder.take(stretch)
+            recorder.take_wire("tick", b"again")
+        for stretch in second:
+            recorder.take(stretch)
+            recorder.take_wire("tick", b"never again")
+    found = [bytes(fields["payload"]) for topic, _, fields in messages(tmp_path / "lost.mcap") if topic == "/wire/tick"]
+    assert found == [b"never again"] * len(second)
+
+
 def test_what_we_read_is_what_was_simulated(run: Any) -> None:
     _, simulation, read = run
     (episode,) = read.episodes
@@ -188,11 +226,11 @@ def test_exact_poses_are_in_every_record_once_a_second(tmp_path: Path) -> None:
 # ---------------------------------------------------------------------- what the world hands over
 
 
-def stretches(world: World, journal: Journal, ticks: int) -> list[Stretch]:
+def stretches(world: World, journal: Journal, ticks: int, answering: Iterable[int] = ()) -> list[Stretch]:
     found = []
     for _ in range(ticks):
         world.advance({})
-        journal.note(world.robots)
+        journal.note(answering or world.robots)
         found.append(journal.take())
     return [stretch for stretch in found if stretch is not None]
 

@@ -1,5 +1,6 @@
 """Laws of broken records: what was flushed is read, whatever was cut off or damaged behind or between."""
 
+import struct
 from pathlib import Path
 
 import pytest
@@ -53,7 +54,7 @@ def test_a_record_cut_anywhere_is_read_to_the_last_flush(whole: Path, share: flo
     assert items(new) == items(whole)[: done.messages]
     assert counted(new) == done.messages
     assert load(new).sound
-    with cut.open("rb") as stream, pytest.raises(McapError):
+    with cut.open("rb") as stream, pytest.raises((McapError, struct.error)):  # an ordinary reader
         make_reader(stream, validate_crcs=True).get_summary()
 
 

@@ -14,7 +14,7 @@ from formation.errors import ScenarioError
 from formation.loading.source import LOADED, Source
 from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
-from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, compose_file, plan
+from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, SAVED, compose_file, plan
 from runtime.process_list import Program, RunPlan, programs
 from tests.user_code import clean, hold_slot
 
@@ -100,6 +100,19 @@ def test_the_same_processes_as_the_launcher_starts() -> None:
     assert {name: [word for word in words if word != "--insecure"] for name, words in composed.items()} == launched
 
 
+def test_commands_in_any_container_are_for_its_run() -> None:
+    expected = {"ECHELON_CONNECT": f"tcp/router:{ROUTER_PORT}", "ECHELON_RUN": RUN}
+    expected |= {"ECHELON_INSECURE": "1", "ECHELON_IN_CONTAINER": "1"}
+    assert all(service["environment"] == expected for service in services().values())
+
+
+def test_the_world_saves_the_run_where_only_its_own_container_keeps_it() -> None:
+    found = services()
+    assert [name for name, service in found.items() if SAVED in service["command"]] == ["world"]
+    assert f"{SAVED} && chown" in (ROOT / "Dockerfile").read_text()
+    assert "volumes" not in found["world"]  # or the next run would go on from this one
+
+
 def test_everybody_meets_at_the_router() -> None:
     for name, service in services().items():
         flag = "--listen" if name == "router" else "--connect"
@@ -113,7 +126,6 @@ def test_only_the_page_is_published_and_only_on_loopback() -> None:
     assert {name: service["ports"] for name, service in found.items() if "ports" in service} == {
         "dashboard": [f"127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"]
     }
-    assert [name for name, service in found.items() if "environment" in service] == ["dashboard"]
     assert all(service["networks"] == ["formation"] for service in found.values())
     doors = {"network_mode", "expose", "volumes", "privileged", "cap_add", "devices", "pid", "ipc"}
     assert not any(doors & set(service) for service in found.values())
@@ -122,12 +134,11 @@ def test_only_the_page_is_published_and_only_on_loopback() -> None:
 def test_no_service_can_do_more_than_it_must() -> None:
     for name, service in services().items():
         assert service["user"] == "10001:10001"
-        assert service["read_only"] is True
+        assert service["read_only"] is (name != "world")  # which saves the run
         assert service["cap_drop"] == ["ALL"]
         assert service["security_opt"] == ["no-new-privileges:true"]
         assert service["tmpfs"] == ["/tmp:mode=1777"]
-        # `echelon control stop` ends the world for good
-        assert service["restart"] == ("on-failure" if name == "world" else "unless-stopped")
+        assert service["restart"] == "on-failure"  # `echelon control stop` ends the world for good
 
 
 def test_every_service_is_checked_as_what_it_is() -> None:
@@ -158,6 +169,14 @@ def test_the_image_holds_every_package_and_compiles_from_the_installed_ones() ->
     assert lines[-1] == "USER 10001:10001"
 
 
+def test_a_changed_line_downloads_nothing_and_compiles_nothing() -> None:
+    """Dependencies are a layer before the first source; the solver's compilation has a cache of its own."""
+    text = (ROOT / "Dockerfile").read_text()
+    steps = ["pip install --no-cache-dir -c constraints.txt -r", "COPY formation", "--no-deps", "--mount=type=cache"]
+    places = [text.index(step) for step in steps]
+    assert places == sorted(places)
+
+
 def test_the_folder_of_code_of_ones_own_is_mounted_where_it_is_loaded(hold_slot: Write) -> None:
     spec = hold_slot()
     name = load_controller(spec).name
@@ -186,4 +205,4 @@ def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
     assert found["services"].keys() - services().keys() == {"recorder"}
     assert found["services"]["recorder"]["volumes"] == ["records:/records"]
     assert found["volumes"] == {"records": {}}
-    assert "mkdir /records && chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()
+    assert "chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()

@@ -29,8 +29,9 @@ from network.values import LinkCounts
 from tests.builders import command, status
 from world.bodies.wheeled import WheeledBodies
 from world.command_links import WATCHDOG
-from world.trace import Trace
-from world.world import SHOWN_EVENTS, World
+from world.episode import SHOWN_EVENTS
+from world.measures.trace import Trace
+from world.world import World
 
 TICK = 0.01
 
@@ -519,7 +520,7 @@ def test_a_push_carries_a_robot_beyond_its_own_motion() -> None:
     [
         ("{robot=4, at=1, until=2, drive=0.0}", ["disturbances[0].robot", "1 to 3", "4"]),
         ("{robot=1, at=2, until=1, drive=0.0}", ["until > at"]),
-        ("{robot=1, until=1}", ["drive below 1, a speed, or a drift"]),
+        ("{robot=1, until=1}", ["drive below 1, a speed, a drift, slip, or blind"]),
         ("{robot=1, until=1, drive=2.0}", ["disturbances[0].drive"]),
     ],
 )

@@ -1,8 +1,10 @@
 """What the world needs of the robots' bodies, whatever moves them."""
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
 from formation.arrays import FloatArray
+from formation.disturbances import Disturbance
 from world.bodies.sensors import Measured
 
 
@@ -25,4 +27,13 @@ class Bodies(Protocol):
 
     def move(self, inputs: FloatArray) -> None:
         """One tick on, under inputs (n, 2) that are kept within the limits [m/s, rad/s]."""
+        ...
+
+
+@runtime_checkable
+class Disturbed(Protocol):
+    """Bodies that users can push."""
+
+    def disturb(self, disturbances: Sequence[Disturbance]) -> None:
+        """These disturbances count from the next tick on, and no others."""
         ...

@@ -1,12 +1,13 @@
 """Simulated bodies and real ones side by side: a real robot is where it says, and its simulated body is put there."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from formation.arrays import FloatArray, read_only
+from formation.disturbances import Disturbance
 from network.values import NO_PLACES
 from world.bodies.sensors import Measured
 from world.bodies.wheeled import WheeledBodies
@@ -46,6 +47,10 @@ class MixedBodies:
         self._told: dict[int, int] = {}
         self._k = 0
         self._place()
+
+    def disturb(self, disturbances: Sequence[Disturbance]) -> None:
+        """As WheeledBodies; a real robot is not moved by it."""
+        self._simulated.disturb(disturbances)
 
     @property
     def poses(self) -> FloatArray:

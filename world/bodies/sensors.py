@@ -1,12 +1,14 @@
 """Sensors of the bodies: localisation that is late, noisy, sometimes far off or absent, and relative sensing."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from formation.arrays import FloatArray, read_only
 from formation.bodies.nominal import Nominal
+from formation.disturbances import Disturbance
 from formation.scenario.scenario import Scenario
 from network.values import NO_PLACES
 from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
@@ -35,6 +37,8 @@ class Sensors:
     def __init__(self, scenario: Scenario, nominal: Nominal) -> None:
         self._nominal = nominal
         self._dropouts = scenario.bodies.localisation.dropouts
+        self.disturbances: Sequence[Disturbance] = scenario.disturbances
+        """Of which some blind a robot."""
         self._share, self._size = scenario.bodies.localisation.outliers, scenario.bodies.localisation.outlier_size
         self._dt = scenario.control_interval
         n = scenario.size
@@ -63,15 +67,20 @@ class Sensors:
         if self._share > 0.0:
             wild = np.array([self._size, self._size, OUTLIER_HEADING]) * self._outliers.at(tick)
             seen = seen + np.where(self._chance.at(tick) < self._share, wild, 0.0)
-        if self._dropouts:
-            now = tick * self._dt + 1e-9
-            blind = {entry.robot for entry in self._dropouts if entry.at <= now < entry.until}
+        blind = self._blind(tick) if self._dropouts or self.disturbances else None
+        if blind:
             robots = [robot for robot in robots if robot not in blind]
             seen = np.array(seen)
             seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
         sigma = self._nominal.relative
         relatives = NO_PLACES if sigma is None else read_only(_relative(poses) + sigma * self._relative.at(tick))
         return Measured(tick, seen if seen is poses else read_only(seen), robots, relatives)
+
+    def _blind(self, tick: int) -> set[int]:
+        """Numbers of the robots that localisation does not see at a tick."""
+        now = tick * self._dt
+        dropped = {entry.robot for entry in self._dropouts if entry.at <= now + 1e-9 < entry.until}
+        return dropped | {entry.robot for entry in self.disturbances if entry.blind and entry.on(now)}
 
 
 def _relative(poses: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ carried by a disturbance's drift and by gusts.
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -63,14 +64,15 @@ class WheeledBodies:
             ground: what wheels that turn do to bodies; unicycles that nothing holds up, if absent.
         """
         self._ground = ground
-        self._dt, self._disturbances = scenario.control_interval, scenario.disturbances
+        self._dt = scenario.control_interval
+        self._disturbances: Sequence[Disturbance] = scenario.disturbances
         known = scenario.nominal
         n = scenario.size
         self._bodies = [_constants(scenario, known, robot) for robot in range(1, n + 1)]
         slip_time = scenario.bodies.slip_time
         self._keep = math.exp(-self._dt / slip_time) if slip_time > 0.0 else 0.0
         self._slips = any(body.slip > 0.0 or body.gyro > 0.0 for body in self._bodies)
-        self._undisturbed = [1.0] * n, [math.inf] * n
+        self._undisturbed = [1.0] * n, [math.inf] * n, None, [0.0] * n
         self._motion = Draws(scenario.seed, MOTION, n, 3)
         self._slipping = [[0.0, 0.0, 0.0] for _ in range(n)]
         self._gusts = Gusts(scenario)
@@ -88,6 +90,10 @@ class WheeledBodies:
         """(n, 2) speeds of the wheels over the last tick [m/s, rad/s]."""
         return read_only(np.array(self._wheels))
 
+    def disturb(self, disturbances: Sequence[Disturbance]) -> None:
+        """These disturbances count from the next tick on, and no others."""
+        self._disturbances = self._sensors.disturbances = disturbances
+
     def measure(self) -> Measured | None:
         """What sensors deliver at this tick; call once a tick."""
         return self._sensors.measure(self._k, self.poses)
@@ -96,15 +102,16 @@ class WheeledBodies:
         """One tick on, under commands (n, 2) [m/s, rad/s]."""
         self._queue.append(commands.tolist())
         acting = self._queue.popleft()
-        drive, cap, drift = self._disturbed()
-        noise = self._motion.at(self._k).tolist() if self._slips else None
+        drive, cap, drift, slip = self._disturbed()
+        noise = self._motion.at(self._k).tolist() if self._slips or any(slip) else None
         made, wheels = [], []
         for i, body in enumerate(self._bodies):
             speeds = _spun(body, self._wheels[i], acting[i], cap[i])
             v, omega = speeds[0] * body.gains[0], speeds[1] * body.gains[1]
             if noise is not None:
                 n = self._correlated(i, noise[i])
-                v, omega = v * (1.0 + body.slip * n[0]), omega * (1.0 + body.slip * n[1]) + body.gyro * n[2]
+                share = body.slip + slip[i]
+                v, omega = v * (1.0 + share * n[0]), omega * (1.0 + share * n[1]) + body.gyro * n[2]
             made.append((v * drive[i], (omega + body.offset) * drive[i]))
             wheels.append(speeds)
         self._wheels = wheels
@@ -132,20 +139,21 @@ class WheeledBodies:
         self._slipping[i] = [self._keep * old + blend * new for old, new in zip(self._slipping[i], fresh, strict=True)]
         return self._slipping[i]
 
-    def _disturbed(self) -> tuple[list[float], list[float], FloatArray | None]:
-        """Shares (n,) of the motion that take effect, limits (n,) of |v| [m/s], and pushes (n, 3), None without any."""
+    def _disturbed(self) -> tuple[list[float], list[float], FloatArray | None, list[float]]:
+        """Shares (n,) of the motion that take effect, limits (n,) of |v| [m/s], pushes (n, 3) or None, slip (n,)."""
         n = len(self._bodies)
         if not self._disturbances:
-            return *self._undisturbed, None
-        drive, cap = [1.0] * n, [math.inf] * n
+            return self._undisturbed
+        drive, cap, slip = [1.0] * n, [math.inf] * n, [0.0] * n
         drift = np.zeros((n, 3))
         for entry in self._acting():
             row = entry.robot - 1
             drive[row] *= entry.drive
             drift[row] += entry.drift
+            slip[row] += entry.slip
             if entry.speed is not None:
                 cap[row] = min(cap[row], entry.speed)
-        return drive, cap, drift
+        return drive, cap, drift, slip
 
     def _acting(self) -> list[Disturbance]:
         return [entry for entry in self._disturbances if entry.on(self._k * self._dt)]

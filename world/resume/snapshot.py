@@ -14,6 +14,7 @@ from formation.errors import EchelonError
 from formation.faults import PERFECT
 from formation.loading.folder import PREFIX
 from formation.loading.source import LOADED
+from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
 from network.messages import VERSION
 from world.bodies.own import OwnBodies
@@ -34,6 +35,7 @@ OTHERS = {
 }
 """Names of other modules that a pickle may hold."""
 SCENARIO: Final = "scenario"
+RESHAPED: Final = "reshaped"
 REFERENCE: Final = "reference"
 LINK: Final = "perfect"
 BODIES: Final = "bodies"
@@ -49,7 +51,7 @@ class _Pickler(pickle.Pickler):
     def __init__(self, file: io.BytesIO, parts: Parts, *, bodies: bool) -> None:
         super().__init__(file, protocol=5)
         world = parts.world
-        self._known = {id(world.scenario): SCENARIO, id(PERFECT): LINK}
+        self._known = {id(world.scenario): RESHAPED, id(world.given): SCENARIO, id(PERFECT): LINK}
         if world.driver is None:
             self._known[id(world.reference)] = REFERENCE
         if not bodies:
@@ -60,14 +62,14 @@ class _Pickler(pickle.Pickler):
 
 
 class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: io.BytesIO, scenario: Scenario) -> None:
+    def __init__(self, file: io.BytesIO, scenario: Scenario, now: Scenario) -> None:
         super().__init__(file)
-        self._scenario = scenario
-        self._made: dict[str, Any] = {SCENARIO: scenario, LINK: PERFECT}
+        self._scenario, self._now = scenario, now
+        self._made: dict[str, Any] = {SCENARIO: scenario, RESHAPED: now, LINK: PERFECT}
 
     def persistent_load(self, name: str) -> Any:
         if name not in self._made:
-            self._made[name] = bodies_for(self._scenario) if name == BODIES else self._scenario.reference()
+            self._made[name] = bodies_for(self._scenario) if name == BODIES else self._now.reference()
         return self._made[name]
 
     def find_class(self, module: str, name: str) -> Any:
@@ -90,7 +92,9 @@ def dump(parts: Parts) -> bytes:
 
     The state of bodies of a user's own is left out if it cannot be pickled; everything else is kept all the same.
     """
-    scenario = parts.world.scenario.model_dump_json(exclude_unset=True)
+    world = parts.world
+    scenario = world.given.model_dump_json(exclude_unset=True)
+    changes = [change.model_dump(mode="json", exclude_unset=True) for change in world.interventions.changes]
     bodies = True
     try:
         pickled = _pickled(parts, bodies=True)
@@ -98,7 +102,7 @@ def dump(parts: Parts) -> bytes:
         if not isinstance(parts.world.plant, OwnBodies):
             raise
         bodies, pickled = False, _pickled(parts, bodies=False)
-    head = json.dumps({"version": VERSION, "bodies": bodies, "scenario": scenario})
+    head = json.dumps({"version": VERSION, "bodies": bodies, "scenario": scenario, "changes": changes})
     return head.encode() + b"\n" + pickled
 
 
@@ -128,7 +132,8 @@ def load(data: bytes) -> Loaded:
         if about["version"] != VERSION:
             raise SnapshotError(f"expected a run of wire version {VERSION}; got {about['version']}")
         scenario = Scenario.model_validate_json(about["scenario"])
-        parts = Parts(*_Unpickler(io.BytesIO(pickled), scenario).load())
+        now = with_changes(scenario, about["changes"])
+        parts = Parts(*_Unpickler(io.BytesIO(pickled), scenario, now).load())
     except SnapshotError:
         raise
     except Exception as error:  # bytes may be anything

@@ -14,8 +14,8 @@ from tests.builders import plan, status
 def test_a_robot_that_waits_is_shown_with_its_lag(page: Page) -> None:
     behind = dataclasses.replace(plan(2, 99), lag=1.26)
     for message in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
-        page._telemetry._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
-    snapshot, links = page._keep()
+        page._feed.source._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
+    snapshot, links, *_ = page._feed.now()
     assert "1.3 s behind the clock" in condition(snapshot).note
     rows = robot_table(snapshot, links, page._clickable).split("<tr")
     assert ["−1.3 s" in row for row in rows[2:]] == [False, True, False]
@@ -23,7 +23,7 @@ def test_a_robot_that_waits_is_shown_with_its_lag(page: Page) -> None:
 
 def test_a_robot_whose_solver_fails_is_marked(page: Page) -> None:
     for message in (status(1, 3), status(2, 1, converged=False)):
-        page._telemetry._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
-    snapshot, links = page._keep()
+        page._feed.source._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
+    snapshot, links, *_ = page._feed.now()
     rows = robot_table(snapshot, links, page._clickable).split("<tr")
     assert ["NO SOLUTION" in row.split("</table>")[0] for row in rows[2:]] == [False, True, False]

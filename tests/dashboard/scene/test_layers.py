@@ -23,8 +23,8 @@ def test_of_plans_those_of_the_robot_and_of_the_episode_are_drawn() -> None:
 def test_a_belief_is_drawn_at_the_robot_that_it_is_about_and_dashes_lead_there_if_it_is_far_off() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]])
     line = np.linspace([0.5, 0.5], [0.6, 0.5], 21)
-    far = BeliefView(receiver=2, sender=1, pose=np.array([0.5, 0.5, 1.0]), line=line, error=0.7)
-    near = BeliefView(receiver=3, sender=2, pose=np.array([0.101, 0.0, 0.0]), line=line, error=0.001)
+    far = BeliefView(receiver=2, sender=1, pose=np.array([0.5, 0.5, 1.0]), line=line, offset=np.array([0.5, 0.5]))
+    near = BeliefView(receiver=3, sender=2, pose=np.array([0.101, 0.0, 0.0]), line=line, offset=np.array([0.001, 0.0]))
     places, lines = believed([far, near], poses, 20)
     np.testing.assert_array_equal(places, [far.pose, near.pose, poses[2]])
     np.testing.assert_array_equal(lines[0], line)

@@ -67,14 +67,15 @@ def test_an_invalid_status_is_counted_and_dropped() -> None:
 
 
 def test_the_last_status_of_an_agent_that_is_gone_is_dropped_also_if_it_comes_late(page: Page) -> None:
-    telemetry = page._telemetry
+    telemetry = page._feed.source
+    assert isinstance(telemetry, TelemetrySubscriber)
     waiting = telemetry._waiting
     assert isinstance(waiting, KeptInMemory)
     waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
     assert list(telemetry.snapshot().statuses) == [2]
     assert receive(telemetry, topics.state("x"), encode(state(stamp=1.1, live=[1, 3])))
     waiting.put(Sample(topics.status("x", 2), encode(status(2, 1))))
-    snapshot, links = page._keep()
+    snapshot, links, *_ = page._feed.now()
     assert not snapshot.statuses
     assert [(view.label, view.lost) for view in links] == [("LOST", True), ("...", False), ("...", False)]
     assert receive(telemetry, topics.state("x"), encode(state(stamp=1.2)))

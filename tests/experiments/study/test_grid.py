@@ -13,7 +13,7 @@ from formation.arrays import FloatArray
 from formation.errors import StudyError
 from formation.scenario.scenario import Scenario
 from runtime.inprocess import Simulation
-from world.trace import Trace
+from world.measures.trace import Trace
 
 BASE: dict[str, Any] = {
     "name": "small",

@@ -15,6 +15,7 @@ from formation.faults import PERFECT
 from formation.scenario.files import load as load_scenario
 from formation.scenario.scenario import Scenario
 from network.control import Drive, SetFault, Speed
+from network.interventions import Push, Reshape
 from runtime.inprocess import Simulation
 from tests.exceptions import needs
 from tests.user_code import clean
@@ -94,6 +95,32 @@ def test_a_run_that_was_saved_goes_on_as_if_it_had_not_been(name: str, overrides
     for key in ("solve_s", "events"):
         del expected[key], got[key]
     assert expected == got
+
+
+def test_pushes_and_shapes_of_users_are_saved_too(tmp_path: Path) -> None:
+    runs = []
+    for _ in range(2):
+        simulation, parts = begun(load_scenario("triangle-circle", NOISY))
+        for k in range(130):
+            if k == 80:
+                simulation.world.intervene(Push(robot=2, kind="stuck", seconds=0.8))
+                simulation.world.intervene(Reshape(spacing=0.14))
+            simulation.step()
+        simulation.world.tick()
+        runs.append((simulation, parts))
+    Saver(tmp_path).look(runs[0][1])
+    found = saved(tmp_path)
+    assert found is not None
+    itself, parts = runs[1]
+    parts.go_on()
+    itself.agents = {robot: itself._agent(robot) for robot in itself.world.robots}
+    itself._plans = []
+    other = taken_over(found)
+    assert other.world.scenario.formation.changes
+    for one in (itself, other):
+        one.simulate()
+        assert one.world.state(seq=1, status="running").interventions == 2
+    np.testing.assert_array_equal(itself.trace.poses, other.trace.poses)
 
 
 def test_bodies_of_a_users_own_go_on_too(tmp_path: Path, clean: None) -> None:

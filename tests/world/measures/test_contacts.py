@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from formation.scenario.files import load
 from tests.builders import command
-from world.contacts import RELEASE, Contacts, Excursions
+from world.measures.contacts import RELEASE, Contacts, Excursions
 from world.world import World
 
 

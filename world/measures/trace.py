@@ -14,15 +14,15 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
-from world.contacts import Excursions
-from world.convergence import Convergence
+from world.measures.contacts import Excursions
+from world.measures.convergence import Convergence
 
 
 class Trace:
     """Poses, ages and solve times of one episode of known length."""
 
     def __init__(self, scenario: Scenario, ticks: int, reference: Reference | DrivenReference) -> None:
-        self._scenario, self._reference = scenario, reference
+        self._scenario, self.reference = scenario, reference
         self._ticks, self._done = ticks, 0
         self._make(scenario.size)
 
@@ -103,7 +103,7 @@ class Trace:
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        reference = self._reference
+        reference = self.reference
         distance, angle = pattern_errors(poses, reference.positions(t))
         return distance, angle, tracking_error(poses, reference.centre(t))
 
@@ -148,7 +148,7 @@ class Trace:
                 for i in range(scenario.size)
             },
             "tracking_error_m": _spread(tracking),
-            "reference_lag_s": self._reference.lag(done * scenario.control_interval),
+            "reference_lag_s": self.reference.lag(done * scenario.control_interval),
             "links": {
                 str(link): {
                     "sent": c.sent,

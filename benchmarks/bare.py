@@ -1,0 +1,164 @@
+"""A run's processes without their work: messages of the same sizes, in the same order, through the same router.
+
+They bound what lockstep can reach on a machine (benchmarks/ceiling.py). Python handles bytes only: nothing is decoded,
+checked, solved or encoded. python -m benchmarks.bare ROLE ... is one of the processes.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+import psutil
+
+from benchmarks.speed import HERE
+from formation.pattern import upstream
+from network import topics
+from network.bus import Sample
+from network.zenoh_bus import Router, ZenohBus
+from runtime.fork_server import ENVIRONMENT
+
+RUN = "bare"
+STATE_EVERY = 0.05
+"""Between two states of the world [s]."""
+STATUS_EVERY = 10
+"""Ticks between two statuses of an agent; agents send ten a second."""
+PATIENCE = 30.0
+"""Longest wait for a message [s]."""
+Process = subprocess.Popen[str]
+
+
+class BareBus(ZenohBus):
+    """The product's connection, for payloads as they are."""
+
+    def send(self, key: str, payload: bytes) -> None:
+        """Publish bytes on an announced key."""
+        self._publishers[key].put(payload)
+
+
+def bare_router(endpoint: str) -> None:
+    """A router until its input ends."""
+    router = Router([endpoint])
+    print("ready", flush=True)
+    sys.stdin.read()
+    router.close()
+
+
+def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int]) -> None:
+    """Answer each tick once its neighbour's plan of the tick before is there, as agents do."""
+    with BareBus(endpoint, RUN) as bus:
+        own, heard = topics.plan(RUN, robot), topics.plan(RUN, upstream(robot, robots))
+        command, status = topics.command(RUN, robot), topics.status(RUN, robot)
+        tick = topics.tick(RUN)
+        for key in (own, command, status):
+            bus.announce(key, reliable=True)
+        bus.subscribe(tick)
+        bus.subscribe(heard)
+        payloads = {name: bytes(sizes[name]) for name in ("Plan", "Command", "Status")}
+        ticks = plans = answered = 0
+        print("ready", flush=True)
+        while True:
+            for item in bus.arrivals(PATIENCE):
+                if isinstance(item, Sample):
+                    ticks += item.key == tick
+                    plans += item.key == heard
+            while answered < ticks and plans >= answered:
+                bus.send(own, payloads["Plan"])
+                bus.send(command, payloads["Command"])
+                answered += 1
+                if answered % STATUS_EVERY == 0:
+                    bus.send(status, payloads["Status"])
+
+
+def bare_world(endpoint: str, robots: int, seconds: float, sizes: dict[str, int]) -> None:
+    """Send ticks, each once all have answered the last one, and print the rate."""
+    with BareBus(endpoint, RUN) as bus:
+        tick, state = topics.tick(RUN), topics.state(RUN)
+        bus.announce(tick, reliable=True)
+        bus.announce(state)
+        bus.subscribe(topics.command(RUN, "*"))
+        bus.subscribe(topics.status(RUN, "*"))
+        print("ready", flush=True)
+        sys.stdin.readline()
+        payloads = {"Tick": b"\1" * sizes["Tick"], "State": bytes(sizes["State"])}
+        commands = {topics.command(RUN, robot) for robot in range(1, robots + 1)}
+        done, shown, began = 0, 0.0, time.perf_counter()
+        while (now := time.perf_counter()) < began + seconds:
+            bus.send(tick, payloads["Tick"])
+            left = robots
+            while left:
+                left -= sum(isinstance(i, Sample) and i.key in commands for i in bus.arrivals(PATIENCE))
+            done += 1
+            if now - shown > STATE_EVERY:
+                bus.send(state, payloads["State"])
+                shown = now
+        print(json.dumps(done / (time.perf_counter() - began)), flush=True)
+        sys.stdin.readline()  # its processor time is read meanwhile; then it is killed
+
+
+@contextmanager
+def _started(*words: str) -> Iterator[Process]:
+    environment = {**os.environ, **ENVIRONMENT, "PYTHONPATH": str(HERE)}
+    command = [sys.executable, "-m", "benchmarks.bare", *words]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=HERE
+    ) as process:
+        try:
+            _read(process)
+            yield process
+        finally:
+            process.kill()
+
+
+def _read(process: Process) -> str:
+    assert process.stdout is not None
+    if not (line := process.stdout.readline()):
+        raise SystemExit("a bare process ended early")
+    return line
+
+
+def _tell(process: Process) -> None:
+    assert process.stdin is not None
+    process.stdin.write("\n")
+    process.stdin.flush()
+
+
+def measure(robots: int, seconds: float, sizes: dict[str, int]) -> tuple[float, float]:
+    """Rate [ticks/s], and processor time of all processes per tick [us]; sizes of the messages by type [bytes]."""
+    told = json.dumps(sizes)
+    with tempfile.TemporaryDirectory(prefix="ech") as folder, ExitStack() as stack:
+        endpoint = f"unixsock-stream/{folder}/r"
+        router = stack.enter_context(_started("router", endpoint))
+        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), told))
+        agents = [
+            stack.enter_context(_started("agent", endpoint, str(robot), str(robots), told))
+            for robot in range(1, robots + 1)
+        ]
+        everybody = [router, world, *agents]
+        before = _processor(everybody)
+        _tell(world)
+        rate = float(_read(world))
+        return rate, 1e6 * (_processor(everybody) - before) / (rate * seconds)
+
+
+def _processor(processes: list[Process]) -> float:
+    """What they have used so far [s]."""
+    return sum(sum(psutil.Process(process.pid).cpu_times()[:2]) for process in processes)
+
+
+def main(role: str, endpoint: str, *words: str) -> None:
+    """Be one of the processes."""
+    if role == "router":
+        bare_router(endpoint)
+    elif role == "agent":
+        bare_agent(endpoint, int(words[0]), int(words[1]), json.loads(words[2]))
+    else:
+        bare_world(endpoint, int(words[0]), float(words[1]), json.loads(words[2]))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

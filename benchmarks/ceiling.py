@@ -1,0 +1,205 @@
+"""How near lockstep comes to what its messages alone cost here, and where the time of a tick goes.
+
+python -m benchmarks.ceiling [--robots 3,8,16] [--rounds 5] [--seconds 10] [--json FILE]
+
+Bare: the same processes without their work (benchmarks/bare.py). Each round measures both, by turns. Then
+the steps of a tick are timed one by one on the messages of a simulation, beside the processor time that all processes
+took: what is left of that is waking up, queues and Zenoh. The clock decides, so the machine should have nothing else to
+do; the ratio of a round bears some load.
+"""
+
+import argparse
+import ctypes
+import json
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import msgpack
+
+from benchmarks import bare
+from benchmarks.speed import HERE, TICK, Checkout
+from formation.scenario.files import load
+from network.codec import decode, encode, unseal
+from network.messages import Message
+from runtime.inprocess import Simulation
+from runtime.precompile import ensure_compiled
+
+GOAL = 0.7
+"""The share of the bare rate that lockstep should reach."""
+SUBREAPER = 36
+"""Of prctl: who is orphaned below this process becomes its child, and its processor time is counted."""
+WARM_TICKS, PART_TICKS = 200, 300
+"""Of the simulation that the messages and the times of the steps are taken from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """Lockstep with so many robots."""
+
+    robots: int
+    bare: float
+    """Median rate [ticks/s]."""
+    real: float
+    ratio: float
+    """Median over the rounds of real / bare."""
+    low: float
+    high: float
+    bare_us: float
+    """Processor time of all processes per tick, median [us]."""
+    real_us: float
+    steps_us: dict[str, float]
+    """Processor time of the steps of a tick, of one message or agent each [us]."""
+
+
+def measure_real(checkout: Checkout, robots: int, seconds: float, rate: float) -> tuple[float, float]:
+    """Rate [ticks/s] and processor time of all processes per tick [us]: of a long run less a short one."""
+    short, long = 2.0, 2.0 + max(4.0, seconds * rate * TICK)  # simulated [s]
+    settings = (f"--set=formation.{s}" for s in ("shape=polygon", f"robots={robots}", "spacing=0.2"))
+    options = ("--engine=processes", *settings)
+    found = []
+    for duration in (short, long):
+        before = _children()
+        summary = checkout.run("circle", 1, duration, *options)
+        found.append((summary["wall_s"], _children() - before))
+    ticks = round((long - short) / TICK)
+    return ticks / (found[1][0] - found[0][0]), 1e6 * (found[1][1] - found[0][1]) / ticks
+
+
+def _children() -> float:
+    """Processor time of all processes that this one has started and that have ended [s]."""
+    while True:
+        try:
+            os.wait()
+        except ChildProcessError:
+            spent = os.times()
+            return spent.children_user + spent.children_system
+
+
+def steps(robots: int) -> tuple[dict[str, int], dict[str, float]]:
+    """Sizes of the messages of a tick [bytes], and what each step of it costs [us of processor time]."""
+    formation = {"shape": "polygon", "robots": robots, "spacing": 0.2}
+    simulation = Simulation(load("circle", {"formation": formation, "duration": 60.0}))
+    for _ in range(WARM_TICKS):
+        answers = simulation.step()
+    world, agent = simulation.world, simulation.agents[1]
+    answer, tick = answers[1], world.tick()
+    assert answer.plan is not None
+    status = agent.status(tick.seq - 1, tick.stamp)
+    state = world.state(seq=1, status="running", speed=0.0, pace=1.0, overruns=0, rejected=0, waiting_for=[])
+    messages: list[Message] = [tick, answer.plan, answer.command, status, state]
+    sizes = {type(message).__name__: len(encode(message)) for message in messages}
+    found: dict[str, float] = {}
+    for message in messages:
+        name, payload, kind = type(message).__name__, encode(message), type(message)
+        found[f"encode {name}"] = _timed(partial(encode, message))
+        found[f"unpack {name}"] = _timed(partial(_unpack, payload))
+        found[f"check {name}"] = _timed(partial(decode, kind, payload)) - found[f"unpack {name}"]
+    began = time.process_time()
+    for _ in range(PART_TICKS):
+        simulation.step()
+    whole = 1e6 * (time.process_time() - began) / PART_TICKS
+    found["solve and everything else of an agent"] = solving = _agent_steps(simulation)
+    found["move the bodies and measure"] = whole - robots * solving
+    return sizes, found
+
+
+def _agent_steps(simulation: Simulation) -> float:
+    """Of one agent's step [us], while the simulation goes on."""
+    spent = 0.0
+    agent = simulation.agents[1]
+    call = agent.step
+
+    def timed(tick: Any) -> Any:
+        nonlocal spent
+        began = time.process_time()
+        found = call(tick)
+        spent += time.process_time() - began
+        return found
+
+    agent.step = timed  # type: ignore[method-assign]
+    for _ in range(PART_TICKS):
+        simulation.step()
+    agent.step = call  # type: ignore[method-assign]
+    return 1e6 * spent / PART_TICKS
+
+
+def _unpack(payload: bytes) -> object:
+    return msgpack.unpackb(unseal(payload))
+
+
+def _timed(call: Callable[[], object]) -> float:
+    """The fastest of several rounds [us]."""
+    best = 1.0
+    for _ in range(20):
+        began = time.process_time()
+        for _ in range(50):
+            call()
+        best = min(best, (time.process_time() - began) / 50)
+    return 1e6 * best
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", default="3,8,16", metavar="N,N,...")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--seconds", type=float, default=10.0, help="of each measurement")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
+    options = parser.parse_args()
+    ensure_compiled(lambda line: print(line, file=sys.stderr))
+    ctypes.CDLL(None).prctl(SUBREAPER, 1, 0, 0, 0)
+    checkout = Checkout(HERE, Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache"))
+    began, figures = time.perf_counter(), []
+    for robots in map(int, options.robots.split(",")):
+        print(f"{robots} robots ...", file=sys.stderr, flush=True)
+        figures.append(_figure(checkout, robots, options.rounds, options.seconds))
+        _show(figures[-1])
+    if options.json:
+        facts = {
+            "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            "commit": checkout.commit(),
+            "rounds": options.rounds,
+            "took_s": round(time.perf_counter() - began, 1),
+            "load": os.getloadavg(),
+            "figures": [asdict(figure) for figure in figures],
+        }
+        options.json.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+
+
+def _figure(checkout: Checkout, robots: int, rounds: int, seconds: float) -> Figure:
+    sizes, parts = steps(robots)
+    bares, reals, rate = [], [], 200.0
+    for done in range(rounds):
+        if done % 2 == 0:
+            bares.append(bare.measure(robots, seconds, sizes))
+        reals.append(measure_real(checkout, robots, seconds, rate))
+        if done % 2:
+            bares.append(bare.measure(robots, seconds, sizes))
+        rate = reals[-1][0]
+    ratios = [real[0] / bound[0] for real, bound in zip(reals, bares, strict=True)]
+    (bare_rate, bare_us), (real_rate, real_us) = (
+        map(statistics.median, zip(*side, strict=True)) for side in (bares, reals)
+    )
+    middle = statistics.median(ratios)
+    return Figure(robots, bare_rate, real_rate, middle, min(ratios), max(ratios), bare_us, real_us, parts)
+
+
+def _show(f: Figure) -> None:
+    print(
+        f"{f.robots:3d} robots: lockstep {f.real:.0f} ticks/s, bare {f.bare:.0f}: {f.ratio:.0%} of it "
+        f"({f.low:.0%} to {f.high:.0%}; goal {GOAL:.0%})\n"
+        f"    processor time of a tick, all processes: {f.real_us:.0f} us, bare {f.bare_us:.0f} us; its steps:"
+    )
+    for name, cost in f.steps_us.items():
+        print(f"      {name:42} {cost:8.1f} us")
+
+
+if __name__ == "__main__":
+    main()

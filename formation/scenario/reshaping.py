@@ -1,0 +1,91 @@
+"""The scenario of a run whose users change shape or spacing: as if `formation.changes` had had that change."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from formation.errors import ScenarioError
+from formation.formation_spec import Change, Shape
+from formation.metrics import nearest
+from formation.offsets import PEAK, SHARE, assignment
+from formation.scenario.fitting import factor, too_narrow
+from formation.scenario.scenario import Scenario
+from formation.shapes import FIXED_SIZES
+from formation.validation import problems
+
+AT_REST = 4.0
+"""A driven formation may stand: its robots need so long at least to change places [s]."""
+
+
+def change_of(
+    scenario: Scenario,
+    at: float,
+    *,
+    shape: str | None = None,
+    spacing: float | None = None,
+    over: float | None = None,
+) -> Change:
+    """The change to a shape, to a spacing, or to both, with each robot's place named: nobody need assign them again.
+
+    Args:
+        scenario: as it is now.
+        at: when it begins, by the path's time [s].
+        shape: its name; if absent the shape stays.
+        spacing: between neighbours [m]; if absent it stays.
+        over: how long it takes [s]; derived if absent.
+
+    Raises:
+        ScenarioError: neither is given.
+    """
+    if shape is None and spacing is None:
+        raise ScenarioError("shape: expected the name of a shape, a spacing, or both")
+    here = scenario.offsets.after(at)
+    n, apart = scenario.size, nearest(here)[2]
+    try:
+        if shape is None:
+            there = here * (spacing / apart if spacing is not None else 1.0)
+        else:
+            robots = None if shape in FIXED_SIZES else n
+            named = Shape.model_validate(
+                {"shape": shape, "spacing": apart if spacing is None else spacing, "robots": robots}
+            )
+            there = named.array_for(n)
+            there = there[assignment(here, there)]
+        if over is None and scenario.driven:
+            over = max(AT_REST, PEAK * float(np.hypot(*(there - here).T).max()) / (SHARE * scenario.law.speed))
+        wanted = {"at": at, "offsets": there.tolist(), "spacing": nearest(there)[2], "reassign": False}
+        return Change.model_validate({**wanted, **({} if over is None else {"over": over})})
+    except ValidationError as error:
+        raise ScenarioError("; ".join(problems(error, Change))) from None
+    except ValueError as error:
+        raise ScenarioError(f"shape: {error}") from None
+
+
+def reshaped(scenario: Scenario, changes: Iterable[Change]) -> Scenario:
+    """The scenario with these changes as well.
+
+    Raises:
+        ScenarioError: robots would come too near to each other, or this scenario cannot have them.
+    """
+    new = [change.model_dump(exclude_unset=True, mode="json") for change in changes]
+    if not new:
+        return scenario
+    raw = scenario.model_dump(exclude_unset=True)
+    formation = raw["formation"]
+    both = [*formation.get("changes", ()), *new]
+    try:
+        found = Scenario.model_validate(
+            {**raw, "formation": {**formation, "changes": sorted(both, key=lambda one: float(one["at"]))}}
+        )
+    except ValidationError as error:
+        raise ScenarioError("; ".join(problems(error, Scenario))) from None
+    if (by := factor(found)) > 1.0:
+        raise ScenarioError(f"shape: {too_narrow(found, by)}")
+    return found
+
+
+def with_changes(scenario: Scenario, changes: Iterable[dict[str, Any]]) -> Scenario:
+    """The same of the changes as a Setup has them."""
+    return reshaped(scenario, [Change.model_validate(change) for change in changes])

@@ -16,20 +16,8 @@ from formation.errors import ScenarioError, WireError
 from formation.scenario.registry import register_unloaded
 from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
-from network import topics
-from network.bus import (
-    Action,
-    Announce,
-    Appear,
-    Ask,
-    Incoming,
-    Publish,
-    Reject,
-    Response,
-    Sample,
-    Subscribe,
-    Unsubscribe,
-)
+from network import bus, topics
+from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.control import GetSetup, request
 from network.messages import WORLD, Plan, Status, Tick
@@ -214,7 +202,7 @@ class AgentNode:
             self._begin(setup)
             self.state = State.IDLE
             own = [(topic.key(self._run, self._robot), topic.is_reliable(setup.mode)) for topic in topics.OF_AGENTS]
-            self._actions += [*(Announce(*topic) for topic in own), Appear("agent", self._robot)]
+            self._actions += [*(bus.Announce(*topic) for topic in own), Appear("agent", self._robot)]
         elif setup.episode == held.episode:
             asked_for = unknown is not None and unknown.revision == setup.revision < held.revision
             if (setup.revision, setup.stamp) < (held.revision, held.stamp) and not asked_for:

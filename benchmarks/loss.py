@@ -65,7 +65,16 @@ def measure(transport: str, percent: int, seconds: float) -> Result:
     with tempfile.TemporaryDirectory(prefix="ech") as folder, two_hosts(Path(folder)) as (here, there):
         logs = Path(folder) / "up", Path(folder) / "join"
         with logs[0].open("w") as up, logs[1].open("w") as joined:
-            words = ("--run", RUN, "--no-dashboard", "--realtime", "--agents", "1", "--listen", here.address)
+            words: tuple[str, ...] = (
+                "--run",
+                RUN,
+                "--no-dashboard",
+                "--realtime",
+                "--agents",
+                "1",
+                "--listen",
+                here.address,
+            )
             words += ("--transport", "tcp" if transport == "tcp" else "udp")
             here.start(up, "up", SCENARIO, *words, *(["--insecure"] if transport == "udp" else []))
             found = _until(lambda: _JOIN.search(logs[0].read_text()), logs[0])

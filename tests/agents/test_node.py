@@ -34,7 +34,7 @@ def world_with(node: AgentNode, mode: Mode = "lockstep") -> tuple[World, list[Ac
 
 def test_what_an_agent_sends_waits_for_slow_receivers_in_lockstep_only() -> None:
     for mode in ("lockstep", "realtime"):
-        _, actions = world_with(AgentNode("x", 1), mode)  # type: ignore[arg-type]
+        _, actions = world_with(AgentNode("x", 1), mode)
         announced = [action for action in actions if isinstance(action, Announce)]
         assert {action.key for action in announced} == {topic.key("x", 1) for topic in topics.OF_AGENTS}
         assert {action.reliable for action in announced} == {mode == "lockstep"}

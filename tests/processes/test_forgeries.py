@@ -89,7 +89,7 @@ def false_plans(stranger: Stranger) -> Iterator[tuple[str, Any]]:
     for robot in (1, 2, 3):
         key = topics.plan("test", robot)
         plan: Plan = stranger.true(key)
-        wrong = {"pose": plan.pose + 5.0, "lag": 1e3, "lag_rate": 1.0, "waits": True, "number": 2**62}
+        wrong: dict[str, Any] = {"pose": plan.pose + 5.0, "lag": 1e3, "lag_rate": 1.0, "waits": True, "number": 2**62}
         for ahead in (1, 5, FAR):
             yield key, replace(plan, seq=plan.seq + ahead, stamp=plan.stamp + 0.01 * ahead, **wrong)
         yield key, replace(plan, episode=plan.episode + 1, **wrong)
@@ -107,7 +107,12 @@ def false_statuses_and_states(stranger: Stranger) -> Iterator[tuple[str, Any]]:
     status: Status = stranger.true(topics.status("test", 1))
     yield topics.status("test", 1), replace(status, seq=status.seq + FAR, age=1e15, missed=2**62)
     state = stranger.state
-    for wrong in ({"status": "finished"}, {"dismissed": [1, 2, 3]}, {"waiting_for": list(range(1, 65))}):
+    lies: tuple[dict[str, Any], ...] = (
+        {"status": "finished"},
+        {"dismissed": [1, 2, 3]},
+        {"waiting_for": list(range(1, 65))},
+    )
+    for wrong in lies:
         yield topics.state("test"), replace(state, seq=FALSE, **wrong)
 
 

@@ -108,7 +108,7 @@ def trial(case: Case, arm: str) -> dict[str, Any]:
     trace = simulation.simulate()
     error, _, _ = trace.errors()
     second = round(1.0 / scenario.control_interval)
-    kept_off = simulation.world.excursions
+    kept_off = simulation.world.at_limits
     return {
         **row,
         "scaled": scenario.bodies.scaled,

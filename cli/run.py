@@ -122,6 +122,18 @@ class _ProgressBar:
         self._bar.stop()
 
 
+def _excursions(summary: dict[str, Any]) -> str:
+    """The excursions of an episode in a line."""
+    found, limit = summary["excursions"], 1e3 * summary["excursion_limit_m"]
+    if not found:
+        return f"no error above {limit:.3g} mm"
+    worst = max(found, key=lambda one: float(one["peak_m"]))
+    return (
+        f"{len(found)} excursions above {limit:.3g} mm; largest: robot {worst['robot']}, "
+        f"{1e3 * worst['peak_m']:.3g} mm from t = {worst['t']:.2f} s on; likely cause: {worst['cause']}"
+    )
+
+
 def _print(summary: dict[str, Any]) -> None:
     console = Console()
     console.print(
@@ -141,6 +153,7 @@ def _print(summary: dict[str, Any]) -> None:
     t = summary["tracking_error_m"]
     errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "", "")
     console.print(errors)
+    console.print(_excursions(summary))
     console.print(
         f"contacts {summary['contacts']}, least gap of two robots {summary['gap_m'] * 1e3:.3g} mm "
         f"({summary['clearance_m'] * 1e3:.4g} mm between centres)"

@@ -72,7 +72,7 @@ PUSHES: dict[Kind, Push] = {
     "gust": Push("carried along y at 0.05 m/s", {"drift": (0.0, 0.05, 0.0)}),
     "slow": Push("its wheels make half of their speed", {"drive": 0.5}),
     "stuck": Push("it does not move, whatever its wheels do", {"drive": 0.0}),
-    "slippery": Push("a fifth of the motion is lost, and slip varies by half", {"drive": 0.8, "slip": 0.5}),
+    "slippery": Push("a third of the motion is lost, and slip varies by half", {"drive": 0.67, "slip": 0.5}),
     "blind": Push("localisation does not deliver", {"blind": True}),
 }
 DISPLACED_SECONDS = 0.5

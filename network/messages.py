@@ -35,7 +35,7 @@ from network.fields import (
 )
 from network.requests import Reply, Request, Setup
 from network.stretch import Stretch
-from network.values import Driving, Event, LinkCounts, Mode, Pushed, RunStatus
+from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RunStatus
 
 VERSION = 5
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -243,6 +243,11 @@ class State:
     driving: Driving = field(default_factory=Driving)  # the driver's orders, where the path is driven
     interventions: Count = 0
     """Number of interventions of users in this episode."""
+    excursions: list[Excursion] = field(default_factory=list)
+    """The newest, oldest first; those that go on, too."""
+    excursion_count: Count = 0
+    excursion_limit: NonNegative = 0.0
+    """[m]."""
     pushes: list[Pushed] = field(default_factory=list)
     """Disturbances that act now."""
     resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from formation.scenario.user_code import UserCode
 from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
-from network.values import Event, Mode
+from network.values import Event, Excursion, Mode
 
 Kind = Literal["faults", "drive", "agents", "push", "release", "shape"]
 
@@ -48,6 +48,8 @@ class Stretch:
     mode: Mode
     orders: list[Order] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+    excursions: list[Excursion] = field(default_factory=list)
+    """That are over, or go on when the episode ends."""
     scenario: LongText = ""
     """JSON of the scenario, in the first stretch of an episode and in the first that a recorder gets; else empty."""
     resumed: list[Count] = field(default_factory=list)

@@ -43,7 +43,7 @@ class Event:
 
     number: Count
     stamp: NonNegative
-    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive", "push"]
+    kind: Literal["run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive", "push", "excursion"]
     text: Text
     severity: Severity = "info"
     """How much it matters; info also when something is well again. Set by who raises the event."""
@@ -100,6 +100,30 @@ class Believed:
     pose: Pose
     inputs: Inputs
     """(N, 2) mean body velocities from there on."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Excursion:
+    """A robot's error above its limit, once."""
+
+    number: Count
+    """In the episode, from 1."""
+    robot: Sender
+    at: NonNegative
+    """When the error rose above the limit [s]."""
+    peak: NonNegative
+    """Largest error [m]."""
+    peak_at: NonNegative
+    """[s]."""
+    until: NonNegative | None = None
+    """When it fell below the limit again [s]; None while it goes on."""
+    recovery: NonNegative | None = None
+    """From the end of its cause, or from its peak if that goes on, until then [s]."""
+    cause: Text = ""
+    """The likely one."""
+    cause_at: NonNegative | None = None
+    """When that began [s]."""
     __pydantic_config__ = STRICT
 
 

@@ -45,7 +45,7 @@ _TEXTS = {
     ),
     "echelon_msgs/Link": (
         "std_msgs/Header header\nstring link\nfloat64 age\nuint64 sent\nuint64 delivered\nuint64 lost\nuint64 late\n"
-        "uint64 corrupt\nfloat64 solve\nfloat64 gap"
+        "uint64 corrupt\nfloat64 solve\nfloat64 gap\nfloat64 way_age\nbool way_over"
     ),
     "echelon_msgs/Fault": (
         "std_msgs/Header header\nstring link\nfloat64 latency\nfloat64 jitter\nfloat64 loss\nfloat64 burst\n"
@@ -54,6 +54,10 @@ _TEXTS = {
     "echelon_msgs/Contacts": "std_msgs/Header header\nfloat64 clearance\nfloat64 gap",
     "echelon_msgs/Ticks": "uint64 first\nuint32 robots\nfloat64[] poses\nfloat64[] inputs",
     "echelon_msgs/Checks": "uint64 first\nuint32 robots\nuint32[] sums",
+    "echelon_msgs/Excursion": (
+        "std_msgs/Header header\nuint32 number\nuint32 robot\nfloat64 peak\nfloat64 peak_at\nfloat64 until\n"
+        "float64 recovery\nstring cause\nfloat64 cause_at"
+    ),
     "echelon_msgs/Order": "uint64 number\nuint64 tick\nstring kind\nstring value",
     "echelon_msgs/Wire": "string key\nuint8[] payload",
 }

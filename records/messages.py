@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from formation.arrays import FloatArray
+from network.values import Excursion
 from records.cdr import Cdr, string
 
 MAP = "map"
@@ -163,8 +164,13 @@ def metrics(stamp: int, tracking: float, distance: FloatArray, angle: FloatArray
     return bytes(cdr)
 
 
-def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float, gap: float) -> bytes:
-    """echelon_msgs/Link: what an agent knows of its link [s], the counts of its messages, and its solver."""
+def link(
+    stamp: int, name: str, age: float, counts: Iterable[int], solve: float, gap: float, way: tuple[float, bool]
+) -> bytes:
+    """echelon_msgs/Link: what an agent knows of its link [s], the counts of its messages, its solver, and its way.
+
+    The way is how old its knowledge of the path is [s], and whether it is used up.
+    """
     cdr = Cdr()
     _header(cdr, stamp, MAP)
     cdr.text(name)
@@ -173,6 +179,8 @@ def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float,
         cdr.put("Q", count)
     cdr.put("d", solve)
     cdr.put("d", gap)
+    cdr.put("d", way[0])
+    cdr.put("B", way[1])
     return bytes(cdr)
 
 
@@ -229,4 +237,17 @@ def wire(key: str, payload: bytes) -> bytes:
     cdr = Cdr()
     cdr.text(key)
     cdr.octets(payload)
+    return bytes(cdr)
+
+
+def excursion(stamp: int, one: Excursion) -> bytes:
+    """echelon_msgs/Excursion; times are simulated [s], -1 for one that is not there."""
+    cdr = Cdr()
+    _header(cdr, stamp, MAP)
+    cdr.put("I", one.number)
+    cdr.put("I", one.robot)
+    for value in (one.peak, one.peak_at, one.until, one.recovery):
+        cdr.put("d", -1.0 if value is None else value)
+    cdr.text(one.cause)
+    cdr.put("d", -1.0 if one.cause_at is None else one.cause_at)
     return bytes(cdr)

@@ -18,7 +18,7 @@ from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
 from network.messages import VERSION, Plan, Status
 from network.stretch import Order, Stretch
-from network.values import LinkCounts
+from network.values import Believed, LinkCounts
 from records import messages, pictures
 from records.file import RecordFile
 
@@ -110,6 +110,9 @@ class Recorder:
                 episode.event = event.number
                 at = episode.begins + round(event.stamp * 1e9)
                 self._write("/log", "rcl_interfaces/Log", at, messages.log(at, event.severity, event.kind, event.text))
+        for one in stretch.excursions:
+            at = episode.begins + round(one.at * 1e9)
+            self._write("/excursions", "echelon_msgs/Excursion", at, messages.excursion(at, one))
         if skipped >= len(poses):
             return
         self._now = stretch.stamp
@@ -209,17 +212,19 @@ class Recorder:
         self._shown[number] = self._now
         self._ages[status.link] = status.age
         robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
-        if status.plan is not None:
-            self._draw(episode, f"{robot}/plan", status.plan, at)
-        if status.held is not None:
-            self._draw(episode, f"{robot}/belief", status.held, at)
-        data = messages.link(at, str(status.link), status.age, _counts(status.counts), status.solve, status.gap)
+        plan, believes = status.plan, status.believes
+        if plan is not None:
+            self._draw(episode, f"{robot}/plan", plan, plan.interval, at)
+            if believes is not None:
+                self._draw(episode, f"{robot}/belief", believes, plan.interval, at)
+        counts, way = _counts(status.counts), (status.way_age, status.lost)
+        data = messages.link(at, str(status.link), status.age, counts, status.solve, status.gap, way)
         self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
 
-    def _draw(self, episode: _Episode, topic: str, plan: Plan, at: int) -> None:
-        poses = roll_out(plan.pose[None], plan.inputs[None], plan.interval)[0]
+    def _draw(self, episode: _Episode, topic: str, plan: Plan | Believed, interval: float, at: int) -> None:
+        poses = roll_out(plan.pose[None], plan.inputs[None], interval)[0]
         begins = episode.begins + round(plan.begins * 1e9)
-        step = round(plan.interval * 1e9)
+        step = round(interval * 1e9)
         stamps = [begins + i * step for i in range(len(poses))]
         self._write(topic, "nav_msgs/Path", at, messages.path(at, poses, stamps))
 

@@ -1,7 +1,7 @@
 """An episode as the world keeps it: bodies, faults, events and trace; what displays and agents get of it."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
-from network.messages import WORLD, State, Status, Tick
+from network.messages import WORLD, Command, State, Status, Tick
 from network.requests import Setup
 from network.values import Driving, Event, LinkCounts, Mode, RunStatus
 from world.bodies.interface import Bodies
@@ -21,12 +21,13 @@ from world.command_links import CommandLinks
 from world.driver import Driver
 from world.faults import FaultState
 from world.interventions import Interventions
-from world.measures.contacts import Contacts, Excursions
+from world.measures.contacts import AtLimits, Contacts
 from world.measures.convergence import Convergence
+from world.measures.ledger import Ledger
 from world.measures.trace import Trace
 from world.sight import Sight
 
-SHOWN_EVENTS = 40
+SHOWN_EVENTS, SHOWN_EXCURSIONS = 40, 20
 KEPT_EVENTS = 5000
 
 
@@ -77,8 +78,9 @@ class Episode:
         self.statuses: dict[int, Status] = {}
         self.live: set[int] = set()
         self.convergence = Convergence()
-        self.contacts, self.excursions = Contacts(scenario.bodies.radii(scenario.size)), Excursions(scenario)
+        self.contacts, self.at_limits = Contacts(scenario.bodies.radii(scenario.size)), AtLimits(scenario)
         self._commands = CommandLinks(scenario)
+        self.ledger = Ledger(scenario)
         self._planned: list[int] = []
         self._tick: Tick | None = None
         self._commands.set_faults(self.faults.table)
@@ -114,6 +116,20 @@ class Episode:
         """Count who touches whom."""
         for one, other in self.contacts.look(self.plant.poses):
             self.event("contact", f"robots {one} and {other} touch", "warning")
+
+    def _keep_ledger(self, commands: Mapping[int, Command]) -> None:
+        """Look for excursions after a tick."""
+        block = self.reference.block(self.k)
+        for line in self.ledger.look(
+            self.now,
+            self.plant.poses,
+            block.slots[self.k - block.first],
+            commands=commands,
+            faults=self.faults.table,
+            disturbances=self.interventions.acting,
+            live=self.live,
+        ):
+            self.event("excursion", line, "info" if line.endswith("again") else "warning")
 
     def _note_pushes(self) -> None:
         """Log the disturbances that begin or end now."""
@@ -155,8 +171,9 @@ class Episode:
         if self.trace is None:
             return {}
         return {
-            **self.trace.summary(links, self.convergence, self.excursions, self._events_of_episode(), warmup=warmup),
+            **self.trace.summary(links, self.convergence, self.at_limits, self._events_of_episode(), warmup=warmup),
             **self.contacts.summary(),
+            **self.ledger.summary(),
             "user_code": [code.model_dump(include=SHOWN) for code in user_code_of(self.scenario)],
             "resumed_at": [k * self.scenario.control_interval for k in self.resumed],
             "commands": self.driver.commands if self.driver else [],
@@ -217,5 +234,8 @@ class Episode:
             resumed=self.resumed,
             driving=self.driver.shown if self.driver else Driving(),
             interventions=self.interventions.count,
+            excursions=self.ledger.newest(SHOWN_EXCURSIONS),
+            excursion_count=self.ledger.count,
+            excursion_limit=self.ledger.limit,
             pushes=self.interventions.shown,
         )

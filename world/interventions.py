@@ -33,7 +33,8 @@ class Interventions:
         self._all = scenario.disturbances
         self._seen_late = scenario.nominal.age * scenario.control_interval
         """Localisation is so late [s]: what was blind then still counts."""
-        self._acting: tuple[Disturbance, ...] = ()
+        self.acting: tuple[Disturbance, ...] = ()
+        """The disturbances that act now."""
         self.changes: list[Change] = []
         """Of the shape, by users."""
         self.count = 0
@@ -78,13 +79,13 @@ class Interventions:
 
     def update(self, now: float) -> list[tuple[str, bool]]:
         """What begins and what ends at `now` [s]: a line each, and whether it begins."""
-        if not self._all and not self._acting:
+        if not self._all and not self.acting:
             return []
-        before, self._acting = self._acting, tuple(entry for entry in self._all if entry.on(now))
-        if before == self._acting:
+        before, self.acting = self.acting, tuple(entry for entry in self._all if entry.on(now))
+        if before == self.acting:
             return []
-        over = [entry for entry in before if not any(_same(entry, other) for other in self._acting)]
-        new = [entry for entry in self._acting if not any(_same(entry, other) for other in before)]
+        over = [entry for entry in before if not any(_same(entry, other) for other in self.acting)]
+        new = [entry for entry in self.acting if not any(_same(entry, other) for other in before)]
         return [
             *((f"robot {entry.robot}: no longer {entry.words}", False) for entry in over),
             *((f"robot {entry.robot}: {entry.words}{_for(entry)}", True) for entry in new),
@@ -93,7 +94,7 @@ class Interventions:
     @property
     def shown(self) -> list[Pushed]:
         """What acts now, for displays."""
-        return [Pushed(entry.robot, entry.words, entry.until) for entry in self._acting]
+        return [Pushed(entry.robot, entry.words, entry.until) for entry in self.acting]
 
     def since(self, known: int) -> list[Intervention]:
         """The interventions of this episode from number `known` on, at most TOLD.

@@ -8,6 +8,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from network.messages import WORLD
 from network.stretch import Kind, Order, Stretch
+from network.values import Excursion
 from world.bodies.own import user_code_of
 from world.world import World
 
@@ -32,7 +33,7 @@ class Journal:
         """An episode begins."""
         self._episode = self._world.episode
         self._orders: list[Order] = []
-        self._tables = self._drives = self._interventions = 0
+        self._tables = self._drives = self._interventions = self._over = 0
         self._answering = set(self._world.robots)
         self._events = 0
         self._open()
@@ -103,6 +104,12 @@ class Journal:
     def _order(self, tick: int, kind: Kind, value: dict[str, object]) -> None:
         self._orders.append(Order(len(self._orders), tick, kind, value))
 
+    def _excursions(self) -> list[Excursion]:
+        """Those that have ended since the last look."""
+        ledger = self._world.ledger
+        found, self._over = ledger.over_since(self._over), ledger.over
+        return [*found, *ledger.going_on] if self._world.finished else found
+
     def take(self, *, all_of_it: bool = False) -> Stretch | None:
         """What has been collected, once it is enough for a message, or `all_of_it`; None if there is nothing."""
         world, interval = self._world, self._world.scenario.control_interval
@@ -127,6 +134,7 @@ class Journal:
             mode=world.mode,
             orders=self._orders[self._sent :],
             events=newest,
+            excursions=self._excursions(),
             scenario="" if self._stretches else world.given.model_dump_json(exclude_unset=True),
             resumed=[] if self._stretches else self._world.resumed,
             user_code=[] if self._stretches else user_code_of(world.scenario),

@@ -62,16 +62,17 @@ class World(Episode):
             self.trace.add(self.plant.poses, inputs, commands)
         for text, severity in self.convergence.reports(commands, now):
             self.event("agent", text, severity)
-        for text in self.excursions.reports(commands, now):
+        for text in self.at_limits.reports(commands, now):
             self.event("avoidance", text)
         self._planned = sorted([robot for robot, command in commands.items() if command.planned])
-        self.excursions.add(inputs, self.plant.poses)
+        self.at_limits.add(inputs, self.plant.poses)
         self.k += 1
         self._look()
         self._tick = None
         self._drive()
         self._apply_faults()
         self._note_pushes()
+        self._keep_ledger(commands)
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)

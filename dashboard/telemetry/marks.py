@@ -51,7 +51,7 @@ class Marks:
 
     def take_event(self, event: Event) -> None:
         """An event that no state shows becomes a mark without a span."""
-        if event.kind not in ("run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive"):
+        if event.kind == "push" and "no longer" not in event.text:
             self.all.append(Mark("push", event.stamp, [], event.text))
             del self.all[:-MOST]
 

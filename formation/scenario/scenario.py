@@ -30,6 +30,7 @@ from formation.scenario.any_controller import AnyController
 from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
+from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
@@ -67,6 +68,7 @@ class Scenario(Model):
     """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
+    metrics: Metrics = Metrics()
     link: Fault = Fault()
     """Fault of every link that carries plans, under the scheduled faults and those that users set."""
     faults: tuple[ScheduledFault, ...] = ()
@@ -106,12 +108,8 @@ class Scenario(Model):
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
         noise, sensor = self.noise, self.bodies.localisation
-        there = {
-            "slip": self.bodies.slip,
-            "gyro": self.bodies.gyro,
-            "position": sensor.position,
-            "heading": sensor.heading,
-        }
+        of_bodies = self.bodies.slip, self.bodies.gyro, sensor.position, sensor.heading
+        there = dict(zip(("slip", "gyro", "position", "heading"), of_bodies, strict=True))
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from formation.metrics import nearest
-from network.interventions import Push
+from network.interventions import Move, Push
 from network.messages import State
 from runtime.precompile import ensure_compiled
 from tests.browser.browser_run import BrowserRun
@@ -85,6 +85,24 @@ def test_shape_and_spacing_change_while_it_runs_and_a_reset_returns(pushed: tupl
     page.press("Reset")
     page.until(lambda: abs(nearest(run.state().slots[:, :2])[2] - apart) < 1e-3, "first shape")
     page.until(lambda: page.number("Spacing mm") == f"{1000 * apart:.0f}", "spacing on the page")
+
+
+def test_the_ledger_names_the_push_and_a_pressed_row_goes_to_its_moment(pushed: tuple[BrowserRun, Driven]) -> None:
+    run, page = pushed
+    page.until(lambda: run.state().stamp > 1.0, "episode")
+    seen = run.state().excursion_count
+    run.ask(Move(robot=2, dx=0.0, dy=-0.04))
+    page.until(lambda: run.state().excursion_count > seen, "excursion")
+    row = run.state().excursions[-1]
+    assert row.cause.startswith("robot 2: pushed at (0, -0.08) m/s")
+    page.show("Ledger")
+    page.wait_text(r"Excursions \d+ over 2 mm")
+    page.wait_text(r"robot 2: pushed at \(0, -0.08\) m/s")
+    page.until(lambda: bool(run.state().excursions[-1].until), "end of the excursion", 40.0)
+    page.click_cell(f"excursion {row.number % 32}")
+    page.wait_text("How it came")
+    page.wait_text("the run goes on at")
+    page.show("Live")
 
 
 def _off(state: State) -> float:

@@ -14,7 +14,7 @@ from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Event, LinkCounts
-from world.measures.contacts import Excursions
+from world.measures.contacts import AtLimits
 from world.measures.convergence import Convergence
 
 
@@ -111,7 +111,7 @@ class Trace:
         self,
         counts: Mapping[LinkId, LinkCounts],
         convergence: Convergence,
-        excursions: Excursions,
+        at_limits: AtLimits,
         events: Sequence[Event],
         *,
         warmup: float = 0.0,
@@ -121,7 +121,7 @@ class Trace:
         Args:
             counts: by link.
             convergence: of the agents' solvers.
-            excursions: of the robots, in the whole episode.
+            at_limits: of the robots, in the whole episode.
             events: in the order in which they happened.
             warmup: measures start at this simulated time [s].
         """
@@ -143,7 +143,7 @@ class Trace:
                     "distance_error_m": _spread(distance[:, i]),
                     "angle_error_rad": _spread(angle[:, i]),
                     "converged": convergence.share(i + 1),
-                    **excursions.summary(i + 1),
+                    **at_limits.summary(i + 1),
                 }
                 for i in range(scenario.size)
             },

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from formation.scenario.files import load
 from tests.builders import command
-from world.measures.contacts import RELEASE, Contacts, Excursions
+from world.measures.contacts import RELEASE, AtLimits, Contacts
 from world.world import World
 
 
@@ -77,4 +77,4 @@ def test_a_summary_has_contacts_and_the_time_at_a_limit_and_outside_the_arena() 
 
 
 def test_without_an_arena_nobody_leaves_it() -> None:
-    assert Excursions(load("triangle-circle")).summary(1)["left_arena_s"] is None
+    assert AtLimits(load("triangle-circle")).summary(1)["left_arena_s"] is None

@@ -11,7 +11,7 @@ from formation.schema import Duration, NonNegative
 from formation.validation import problems
 from network import topics
 from network.fields import Link
-from network.interventions import MAX_SECONDS, Move, OperationModel, Push, Release, Reshape, Robot
+from network.interventions import MAX_SECONDS, Join, Leave, Move, OperationModel, Push, Release, Reshape, Robot
 from network.requests import Request
 from network.values import Intervention
 
@@ -196,6 +196,8 @@ Operation = (
     | Move
     | Release
     | Reshape
+    | Leave
+    | Join
     | GetOrders
     | GetSummary
     | GetTrace
@@ -222,6 +224,8 @@ OPERATIONS: dict[str, type[Operation]] = {
     "move": Move,
     "release": Release,
     "shape": Reshape,
+    "leave": Leave,
+    "join": Join,
     "orders": GetOrders,
     "summary": GetSummary,
     "trace": GetTrace,

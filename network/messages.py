@@ -251,6 +251,7 @@ class State:
     pushes: list[Pushed] = field(default_factory=list)
     """Disturbances that act now."""
     resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first
+    away: list[Sender] = field(default_factory=list)  # robots over which the ring is closed
     __pydantic_config__ = STRICT
 
 

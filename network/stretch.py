@@ -7,7 +7,7 @@ from formation.scenario.user_code import UserCode
 from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
 from network.values import Event, Excursion, Mode
 
-Kind = Literal["faults", "drive", "agents", "push", "release", "shape"]
+Kind = Literal["faults", "drive", "agents", "push", "release", "shape", "ring"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"health", "__main__"},
     ],
     "agents": [
-        {"kernels", "states"},
+        {"kernels", "states", "plausibility"},
         {"controllers"},
         {"belief", "driver_receiver", "estimator", "motor_model"},
         {"window_estimator", "plan_receiver", "sending", "avoidance"},
@@ -71,7 +71,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"__main__"},
     ],
     "world": [
-        {"bodies", "faults", "driver", "states", "command_links"},
+        {"bodies", "faults", "driver", "members", "states", "command_links"},
         {"measures", "rate", "sight", "interventions"},
         {"episode"},
         {"world"},

@@ -12,7 +12,7 @@ from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
-from network.interventions import Move, Push, Release, Reshape
+from network.interventions import Join, Leave, Move, Push, Release, Reshape
 from network.values import RunStatus
 from world.driver import Driver
 from world.presence import AgentPresence
@@ -30,6 +30,8 @@ BETWEEN_TICKS = (
     Move,
     Release,
     Reshape,
+    Leave,
+    Join,
 )
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 READS = (control.GetOrders, control.GetTrace, control.GetSummary)
@@ -125,7 +127,7 @@ class RunControl:
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
                 return self._drive(lambda driver: driver.go_to(world.k, x, y))
-            case Push() | Move() | Release() | Reshape():
+            case Push() | Move() | Release() | Reshape() | Leave() | Join():
                 world.intervene(operation)
             case control.GetOrders(tables=tables, drives=drives, interventions=interventions):
                 return self._orders_since(tables, drives, interventions)

@@ -23,6 +23,8 @@ _ACTIONS = {
     "controller": "start again with another controller",
     "kill": "kill a robot's agent, and keep it down",
     "restart": "start a robot's agent again",
+    "leave": "take a robot out of the ring, which closes over it; it stands",
+    "join": "take it into the ring again",
     "compare": "run a ghost beside it: another controller with the same faults; off: end it",
     "drive": "order a driven formation a speed V [m/s] and a turn rate OMEGA [rad/s]",
     "goto": "drive a driven formation's centre to X Y [m], and stop there",
@@ -47,7 +49,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=text)
         if name == "step":
             action.add_argument("value", nargs="?", default="1", metavar="TICKS")
-        elif name in ("kill", "restart"):
+        elif name in ("kill", "restart", "leave", "join"):
             action.add_argument("value", metavar="ROBOT", help="its number, from 1")
         elif name in ("speed", "scenario", "controller", "compare"):
             action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
@@ -123,7 +125,7 @@ def _operation(action: str, value: str) -> Operation:
             return _scenario(value)
         case "controller":
             return control.UseController(controller=value)
-        case "kill" | "restart":
+        case "kill" | "restart" | "leave" | "join":
             return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
         case "compare":
             return control.operation(Request("compare", {"controller": value}))

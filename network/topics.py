@@ -96,7 +96,7 @@ PLAN = Topic(
     "pose, body velocities over the horizon, delay, estimated disturbance, raw measurements, who needs the others to "
     "wait",
     pace="each planning tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 COMMAND = Topic(
@@ -106,7 +106,7 @@ COMMAND = Topic(
     "agent",
     "v, omega, age of the plan used, solve time, whether the solver converged",
     pace="each tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 STATUS = Topic(
@@ -116,7 +116,7 @@ STATUS = Topic(
     "agent",
     "its newest plan, the newest that it received, age and counts of its link, solve time, Nash gap",
     rate=10.0,
-    reliable="always",
+    reliable="lockstep",
     stale=0.25,
     recorded=True,
 )
@@ -194,6 +194,7 @@ TOPICS = (
     QUESTION,
     ALIVE,
 )
+OF_AGENTS = (PLAN, COMMAND, STATUS)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 

@@ -19,7 +19,7 @@ from formation.pattern import place
 from formation.scenario.registry import register_unloaded
 from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
-from network import topics
+from network import bus, topics
 from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.control import GetSetup, request
@@ -77,8 +77,7 @@ class AgentNode:
         """The answered tick of which a status is due."""
         self._last_status: Status | None = None
         """Of the episode's last tick; like an answer, it may be lost."""
-        self._answered = -1
-        self._missed = 0
+        self._answered, self._missed = -1, 0
         self._ask_at = self._status_at = 0.0
         self._actions: list[Action] = []
 
@@ -156,6 +155,8 @@ class AgentNode:
         check(tick, scenario)
         self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
         if tick.seq < self._newest[1] or tick.revision < setup.revision:
+            if tick.seq > self._newest[1]:  # the Setup is ahead of the world, or never was the world's
+                self._unknown = tick
             return
         self._newest = tick.episode, tick.seq, tick.stamp
         if tick.seq > self._answered and self._agent is not None:
@@ -196,9 +197,11 @@ class AgentNode:
         if held is None:
             self._begin(setup)
             self.state = State.IDLE
-            self._actions.append(Appear("agent", self._robot))
+            own = [(topic.key(self._run, self._robot), topic.is_reliable(setup.mode)) for topic in topics.OF_AGENTS]
+            self._actions += [*(bus.Announce(*topic) for topic in own), Appear("agent", self._robot)]
         elif setup.episode == held.episode:
-            if (setup.revision, setup.stamp) < (held.revision, held.stamp):
+            asked_for = unknown is not None and unknown.revision == setup.revision < held.revision
+            if (setup.revision, setup.stamp) < (held.revision, held.stamp) and not asked_for:
                 return
             self._renew(setup)
         elif unknown is None or unknown.episode != setup.episode:

@@ -104,6 +104,12 @@ class Compare(OperationModel):
     """A name that the world knows, or "off"."""
 
 
+class Record(OperationModel):
+    """Have the launcher start a recorder, with a new file in the folder that the run was started from, or end it."""
+
+    on: bool
+
+
 class Stop(OperationModel):
     """End the run and its processes."""
 
@@ -188,6 +194,7 @@ Operation = (
     | Kill
     | Restart
     | Compare
+    | Record
     | Stop
     | GetSetup
     | Drive
@@ -216,6 +223,7 @@ OPERATIONS: dict[str, type[Operation]] = {
     "kill": Kill,
     "restart": Restart,
     "compare": Compare,
+    "record": Record,
     "stop": Stop,
     "setup": GetSetup,
     "drive": Drive,

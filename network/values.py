@@ -128,4 +128,6 @@ class Excursion:
     __pydantic_config__ = STRICT
 
 
+RecordWish = Literal["", "on", "off"]
+"""Whether users want the run to be recorded; empty: as it was started."""
 RunStatus = Literal["waiting", "running", "paused", "finished"]

@@ -67,7 +67,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},
-        {"process"},
+        {"process", "several"},
         {"__main__"},
     ],
     "world": [

@@ -14,7 +14,8 @@ from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, State, Status, Tick
 from network.requests import Setup
-from network.values import Driving, Event, LinkCounts, Mode, RunStatus
+from network.stretch import Recording
+from network.values import Driving, Event, LinkCounts, Mode, RecordWish, RunStatus
 from world.bodies.interface import Bodies
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
@@ -228,6 +229,8 @@ class Episode:
         waiting_for: Iterable[int] = (),
         dismissed: Iterable[int] = (),
         compare: str = "",
+        record: RecordWish = "",
+        recording: Recording | None = None,
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
         block = self.reference.block(self.k)
@@ -266,6 +269,8 @@ class Episode:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            record=record,
+            recording=recording,
             resumed=self.resumed,
             away=sorted(away),
             driving=self.driver.shown if self.driver else Driving(),

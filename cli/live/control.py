@@ -32,6 +32,7 @@ _ACTIONS = {
     "move": "take a robot and carry it aside by DX DY [m], within half a second",
     "release": "end what disturbs a robot, or all",
     "shape": "change the shape of the formation, its spacing, or both",
+    "record": "record the run in a new file, or close it",
     "stop": "end the run and its processes",
 }
 _PAIRS = {"drive": ("V", "OMEGA"), "goto": ("X", "Y")}
@@ -53,6 +54,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             action.add_argument("value", metavar="ROBOT", help="its number, from 1")
         elif name in ("speed", "scenario", "controller", "compare"):
             action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
+        elif name == "record":
+            action.add_argument("value", choices=["on", "off"])
         elif name in _PAIRS:
             action.add_argument("value", nargs=2, metavar=_PAIRS[name])
         elif name == "push":
@@ -127,6 +130,8 @@ def _operation(action: str, value: str) -> Operation:
             return control.UseController(controller=value)
         case "kill" | "restart" | "leave" | "join":
             return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+        case "record":
+            return control.Record(on=value == "on")
         case "compare":
             return control.operation(Request("compare", {"controller": value}))
         case _:

@@ -61,8 +61,7 @@ class AgentNode:
         self._scenario: Scenario | None = None
         self._agent: Agent | None = None
         self._plan_keys: set[str] = set()
-        self._deaf_until = -1
-        """Tick from which on it hears the neighbours that it has since the ring changed."""
+        self._deaf_until = -1  # since the ring changed, it hears its neighbours from this tick on
         self._plans: dict[tuple[int, int, int], Plan] = {}
         """Of the neighbours that the agent hears, by episode, seq and sender."""
         self._tick: Tick | None = None
@@ -225,9 +224,8 @@ class AgentNode:
         agent = Agent(scenario, self._robot, episode=setup.episode, away=setup.away) if here else None
         self._scenario, self._agent = scenario, agent
         self._answers, self._answered, self._missed, self._last_status = [], -1, 0, None
-        self._tick, self._newest, self._repeated = None, (setup.episode, -1, -1.0), False
+        self._tick, self._newest, self._repeated, self._deaf_until = None, (setup.episode, -1, -1.0), False, -1
         self._plans = {key: plan for key, plan in self._plans.items() if key[0] == setup.episode}
-        self._deaf_until = -1
         self._listen(agent)
         self._renew(setup)
 
@@ -270,8 +268,8 @@ class AgentNode:
             self._missed += tick.seq - self._answered - 1
         for key in sorted(key for key in self._plans if key[0] == tick.episode and key[1] < tick.seq):
             plan = self._plans.pop(key)
-            fits = plan.seq == tick.seq - 1 and plan.sender in tick.planned
-            if plan.seq >= self._deaf_until and (fits or not lockstep):
+            fits = not lockstep or (plan.seq == tick.seq - 1 and plan.sender in tick.planned)
+            if fits and plan.seq >= self._deaf_until:
                 agent.receive(plan)
         answer = agent.step(tick)
         self._answered = tick.seq

@@ -20,6 +20,7 @@ from dashboard.panels.link_matrix import link_matrix
 from dashboard.panels.network import NetworkTab
 from dashboard.panels.plots import BELIEF, FIRST, SECOND, Chart
 from dashboard.panels.push import PushPanel
+from dashboard.panels.record import RecordPanel
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
@@ -107,6 +108,7 @@ class Page:
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._feed.export_buffer, lambda: self._palette, self._notices.notify)
+        self._record = RecordPanel(gui, self._requests)
         self._clickable = Clickable(gui, self._clicked)
         self._overlay = Overlay(self._server, self._told)
         self._time_line = TimeLine(gui, self._feed)
@@ -283,6 +285,7 @@ class Page:
             self._push.draw(snapshot)
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
+            self._record.draw(snapshot.state)
         self._export.update(snapshot)
         if self._overlay is not None:
             self._overlay.draw(view, self._scene.sizes)

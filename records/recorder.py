@@ -16,8 +16,8 @@ from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
-from network.messages import VERSION, Plan, Status
-from network.stretch import Order, Stretch
+from network.messages import VERSION, WORLD, Plan, Status
+from network.stretch import Order, Recording, Stretch
 from network.values import Believed, LinkCounts
 from records import messages, pictures
 from records.file import RecordFile
@@ -88,6 +88,11 @@ class Recorder:
     def full(self) -> bool:
         """Whether the record holds everything."""
         return self._detail == "full"
+
+    def stands(self, count: int, seconds: float) -> Recording:
+        """How the record stands, for displays; `count` numbers these messages, `seconds` are since it began."""
+        number, file = self._episode.number if self._episode else 0, self._file
+        return Recording(WORLD, count, self._now, number, str(file.path), file.size, seconds)
 
     def take(self, stretch: Stretch) -> None:
         """Some ticks of the world. Those of an episode whose beginning was not heard are left out."""

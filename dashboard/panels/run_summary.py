@@ -87,6 +87,8 @@ def lag(status: Status | None, state: State) -> float:
 
 def robot_label(state: State, robot: int) -> str:
     """How a robot is, in a word."""
+    if robot in state.away and robot in state.live:
+        return "AWAY"
     if robot not in state.live:
         return "KILLED" if robot in state.dismissed else "LOST"
     return "HELD" if robot in state.stopped else "OK"

@@ -140,6 +140,21 @@ def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int)
     assert run.finish() == expected(plan_every)
 
 
+@settings(law, max_examples=EXAMPLES // 4)
+@given(weathers, histories)
+def test_a_ring_that_closes_and_opens_is_that_of_one_process(weather: Weather, history: list[Any]) -> None:
+    run = MemoryRun(shrinking(), weather)
+    play(run, history)
+    assert run.finish() == str(inprocess.simulate(shrinking())["trajectory_sha256"])
+
+
+@cache
+def shrinking() -> Scenario:
+    """Of three, one leaves and joins again, then another leaves."""
+    changes = "membership.changes=[{robot=2, leave=0.04, join=0.09}, {robot=3, leave=0.11}]"
+    return load("triangle-circle", [*SETTINGS, changes])
+
+
 def test_robots_that_are_told_the_path_drive_alike_in_both_engines() -> None:
     """Told, cut off for longer than the preview, and told again: the same bits."""
     fault = "faults=[{at=0.1, until=4.4, link='1->2', cut=true}, {link='2->3', latency=0.05, loss=0.1}]"

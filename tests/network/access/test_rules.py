@@ -40,6 +40,7 @@ OWNERS = {
     "body_input": "world",
     "body_pose": "body-1",
     "ghost": "ghost",
+    "recording": "recorder",
     "plan": "agent-1",
     "command": "agent-1",
     "status": "agent-1",

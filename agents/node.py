@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from agents.agent import Agent
 from agents.controllers.own import check_loaded
-from agents.plausibility import check
+from agents.plausibility import MAX_AHEAD, check, is_believable
 from agents.sending import Answer
 from agents.states import TABLE, Event, Output, State
 from formation.errors import ScenarioError, WireError
@@ -30,8 +30,8 @@ STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
 ASK_SECONDS = 0.2
 """A request for the Setup that is not answered for this long is sent again [s]."""
-MAX_AHEAD, MAX_TICKS_AHEAD = 1.0, 10
-"""A message may be stamped this far ahead of the newest tick [s], or by this many ticks."""
+MAX_TICKS_AHEAD = 10
+"""A plan may be so many ticks ahead of the newest tick, or MAX_AHEAD."""
 KEPT_PLANS = 256
 """Plans that wait for their tick, at most; the oldest go first."""
 KEPT_ANSWERS = 2
@@ -146,11 +146,13 @@ class AgentNode:
         setup = self._setup
         if setup is not None and 0 < setup.episode - tick.episode <= RECENT_EPISODES:
             return  # of an episode that is over
-        if setup is None or tick.episode != setup.episode or not self._believable(tick):
+        scenario = self._scenario
+        if setup is None or scenario is None or tick.episode != setup.episode:
             self._unknown = tick
             return
-        scenario = self._scenario
-        assert scenario is not None  # comes with the Setup
+        if not is_believable(tick, setup, scenario, answered=self._answered, newest=self._newest[2]):
+            self._unknown = tick
+            return
         check(tick, scenario)
         self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
         if tick.seq < self._newest[1] or tick.revision < setup.revision:
@@ -160,19 +162,6 @@ class AgentNode:
         self._newest = tick.episode, tick.seq, tick.stamp
         if tick.seq > self._answered and self._agent is not None:
             self._tick = None if self._robot in tick.gone else tick
-
-    def _believable(self, tick: Tick) -> bool:
-        """Whether the tick can be the world's newest, by what this node knows: one that cannot needs a new Setup.
-
-        In lockstep the world waits for this agent, so the next tick is the one after that which it answered, unless
-        the world went on without it.
-        """
-        setup, scenario = self._setup, self._scenario
-        assert setup is not None
-        assert scenario is not None
-        if setup.mode == "lockstep":
-            return tick.seq <= max(self._answered + 1, round(setup.stamp / scenario.control_interval))
-        return tick.stamp <= max(self._newest[2], setup.stamp) + MAX_AHEAD
 
     def _receive_plan(self, key: str, plan: Plan) -> None:
         if plan.sender != topics.robot_of(key):

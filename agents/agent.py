@@ -1,8 +1,7 @@
 """The agent of one robot, without any I/O: measurements and plans in, a command and a plan out; in both engines."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,12 +15,12 @@ from agents.driver_receiver import DriverReceiver
 from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement
 from agents.motor_model import MotorModel
 from agents.plan_receiver import PlanReceiver
-from agents.sending import Sending
+from agents.sending import Answer, Sending
 from agents.window_estimator import WindowEstimator
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
-from formation.pattern import downstream, upstream
+from formation.pattern import neighbours
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
@@ -29,19 +28,17 @@ from network.messages import Command, Plan, Status, Tick
 from network.values import LinkCounts
 
 
-class Answer(NamedTuple):
-    """What an agent publishes at a tick."""
-
-    command: Command
-    plan: Plan | None
-    """For its neighbours, on a planning tick."""
-
-
 class Agent:
     """The agent of one robot for one episode."""
 
     def __init__(
-        self, scenario: Scenario, robot: int, *, episode: int = 0, controller: Controller | None = None
+        self,
+        scenario: Scenario,
+        robot: int,
+        *,
+        episode: int = 0,
+        controller: Controller | None = None,
+        away: Collection[int] = (),
     ) -> None:
         """An agent at the start of an episode.
 
@@ -50,17 +47,18 @@ class Agent:
             robot: its number, from 1.
             episode: put into every message; plans with another one are not for this episode.
             controller: instead of the scenario's own for this robot (agents/controllers/centralised.py).
+            away: robots over which the ring is closed; if it is one of them, it stands.
         """
         own = scenario.controller
-        self.robot, self.episode, self.size = robot, episode, scenario.size
-        self.upstream, self.planning = upstream(robot, scenario.size), own.plan_every
-        self._task = Task(scenario, robot)
+        self.robot, self.episode, self.size, self._away = robot, episode, scenario.size, robot in away
+        (self.upstream, _, after), self.planning = neighbours(robot, scenario.size, away), own.plan_every
+        self._task = Task(scenario, robot, away)
         self._game = Game(scenario, robot, self._task)
         self._controller = controller or controller_for(scenario, robot, self._task)
         self._ages = spec_of(own).ages_plans if own.age_plans is None else own.age_plans
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
-        if own.uses_downstream and scenario.size > 2:
-            self._receivers.append(PlanReceiver(scenario, downstream(robot, scenario.size), robot))
+        if own.uses_downstream and after != self.upstream:
+            self._receivers.append(PlanReceiver(scenario, after, robot))
         self._driver = DriverReceiver.of(scenario, robot)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
@@ -122,6 +120,8 @@ class Agent:
     def step(self, tick: Tick) -> Answer:
         """Answer a tick; its number grows from call to call."""
         k, stamp = tick.seq, tick.stamp
+        if self._away:
+            return self._stand(k, stamp, 0.0)
         if k > 0 and self._fresh:
             self._task.forget()
         self._fresh = False

@@ -9,14 +9,17 @@ from collections.abc import Iterable
 
 from pydantic import ValidationError
 
-from agents.agent import Agent, Answer
+from agents.agent import Agent
 from agents.controllers.own import check_loaded
+from agents.plausibility import MAX_AHEAD, check, is_believable
+from agents.sending import Answer
 from agents.states import TABLE, Event, Output, State
 from formation.errors import ScenarioError, WireError
+from formation.pattern import place
 from formation.scenario.registry import register_unloaded
 from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
-from network import topics
+from network import bus, topics
 from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.control import GetSetup, request
@@ -27,8 +30,8 @@ STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
 ASK_SECONDS = 0.2
 """A request for the Setup that is not answered for this long is sent again [s]."""
-MAX_AHEAD, MAX_TICKS_AHEAD = 1.0, 10
-"""A message may be stamped this far ahead of the newest tick [s], or by this many ticks."""
+MAX_TICKS_AHEAD = 10
+"""A plan may be so many ticks ahead of the newest tick, or MAX_AHEAD."""
 KEPT_PLANS = 256
 """Plans that wait for their tick, at most; the oldest go first."""
 KEPT_ANSWERS = 2
@@ -58,6 +61,7 @@ class AgentNode:
         self._scenario: Scenario | None = None
         self._agent: Agent | None = None
         self._plan_keys: set[str] = set()
+        self._deaf_until = -1  # since the ring changed, it hears its neighbours from this tick on
         self._plans: dict[tuple[int, int, int], Plan] = {}
         """Of the neighbours that the agent hears, by episode, seq and sender."""
         self._tick: Tick | None = None
@@ -72,8 +76,7 @@ class AgentNode:
         """The answered tick of which a status is due."""
         self._last_status: Status | None = None
         """Of the episode's last tick; like an answer, it may be lost."""
-        self._answered = -1
-        self._missed = 0
+        self._answered, self._missed = -1, 0
         self._ask_at = self._status_at = 0.0
         self._actions: list[Action] = []
 
@@ -129,7 +132,8 @@ class AgentNode:
             return Event.NOTHING if self._unknown is None else Event.UNKNOWN
         if setup.revision != tick.revision:
             return Event.UNKNOWN
-        awaited = set(agent.hears) & set(tick.planned) - set(tick.gone) if setup.mode == "lockstep" else set()
+        hears = setup.mode == "lockstep" and tick.seq > self._deaf_until
+        awaited = set(agent.hears) & set(tick.planned) - set(tick.gone) if hears else set()
         if any((tick.episode, tick.seq - 1, sender) not in self._plans for sender in awaited):
             return Event.LACKING if self._unknown is None else Event.UNKNOWN  # the plan may never come
         return Event.READY
@@ -142,41 +146,22 @@ class AgentNode:
         setup = self._setup
         if setup is not None and 0 < setup.episode - tick.episode <= RECENT_EPISODES:
             return  # of an episode that is over
-        if setup is None or tick.episode != setup.episode or not self._believable(tick):
+        scenario = self._scenario
+        if setup is None or scenario is None or tick.episode != setup.episode:
             self._unknown = tick
             return
-        scenario = self._scenario
-        assert scenario is not None  # comes with the Setup
-        if len(tick.odometry) != scenario.size:
-            raise WireError(f"expected odometry of {scenario.size} robots; got {len(tick.odometry)}")
-        n = scenario.size
-        if (tick.measured is not None and len(tick.poses) != n) or len(tick.relatives) not in (0, n):
-            raise WireError(f"expected measurements of {n} robots; got {len(tick.poses)} and {len(tick.relatives)}")
-        if len(tick.seen) not in (0, n * n):
-            raise WireError(f"expected sightings of {n} robots by {n}; got {len(tick.seen)}")
-        if tick.measured is not None and tick.measured > tick.seq:
-            raise WireError(f"expected a measurement of tick {tick.seq} or before; got one of {tick.measured}")
-        if abs(tick.seq * scenario.control_interval - tick.stamp) > 1e-6:
-            raise WireError(f"expected stamp {tick.seq * scenario.control_interval:g} s; got {tick.stamp:g} s")
+        if not is_believable(tick, setup, scenario, answered=self._answered, newest=self._newest[2]):
+            self._unknown = tick
+            return
+        check(tick, scenario)
         self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
         if tick.seq < self._newest[1] or tick.revision < setup.revision:
+            if tick.seq > self._newest[1]:  # the Setup is ahead of the world, or never was the world's
+                self._unknown = tick
             return
         self._newest = tick.episode, tick.seq, tick.stamp
         if tick.seq > self._answered and self._agent is not None:
             self._tick = None if self._robot in tick.gone else tick
-
-    def _believable(self, tick: Tick) -> bool:
-        """Whether the tick can be the world's newest, by what this node knows: one that cannot needs a new Setup.
-
-        In lockstep the world waits for this agent, so the next tick is the one after that which it answered, unless
-        the world went on without it.
-        """
-        setup, scenario = self._setup, self._scenario
-        assert setup is not None
-        assert scenario is not None
-        if setup.mode == "lockstep":
-            return tick.seq <= max(self._answered + 1, round(setup.stamp / scenario.control_interval))
-        return tick.stamp <= max(self._newest[2], setup.stamp) + MAX_AHEAD
 
     def _receive_plan(self, key: str, plan: Plan) -> None:
         if plan.sender != topics.robot_of(key):
@@ -200,9 +185,11 @@ class AgentNode:
         if held is None:
             self._begin(setup)
             self.state = State.IDLE
-            self._actions.append(Appear("agent", self._robot))
+            own = [(topic.key(self._run, self._robot), topic.is_reliable(setup.mode)) for topic in topics.OF_AGENTS]
+            self._actions += [*(bus.Announce(*topic) for topic in own), Appear("agent", self._robot)]
         elif setup.episode == held.episode:
-            if (setup.revision, setup.stamp) < (held.revision, held.stamp):
+            asked_for = unknown is not None and unknown.revision == setup.revision < held.revision
+            if (setup.revision, setup.stamp) < (held.revision, held.stamp) and not asked_for:
                 return
             self._renew(setup)
         elif unknown is None or unknown.episode != setup.episode:
@@ -223,23 +210,34 @@ class AgentNode:
         scenario = Scenario.model_validate_json(setup.scenario)
         check_loaded(setup.user_code, scenario.controller.name)
         here = self._robot <= scenario.size
-        agent = Agent(scenario, self._robot, episode=setup.episode) if here else None
+        agent = Agent(scenario, self._robot, episode=setup.episode, away=setup.away) if here else None
         self._scenario, self._agent = scenario, agent
         self._answers, self._answered, self._missed, self._last_status = [], -1, 0, None
-        self._tick, self._newest, self._repeated = None, (setup.episode, -1, -1.0), False
+        self._tick, self._newest, self._repeated, self._deaf_until = None, (setup.episode, -1, -1.0), False, -1
         self._plans = {key: plan for key, plan in self._plans.items() if key[0] == setup.episode}
+        self._listen(agent)
+        self._renew(setup)
+
+    def _listen(self, agent: Agent | None) -> None:
+        """Subscribe to the plans of those whom the agent hears, and to no others."""
         wanted = {topics.plan(self._run, sender) for sender in agent.hears} if agent else set()
         self._actions += [Unsubscribe(key) for key in sorted(self._plan_keys - wanted)]
         self._actions += [Subscribe(key) for key in sorted(wanted - self._plan_keys)]
         self._plan_keys = wanted
-        self._renew(setup)
 
     def _renew(self, setup: Setup) -> None:
         """Another revision of the episode, or the same as of now."""
         agent, scenario, held = self._agent, self._scenario, self._setup
         if agent is not None and scenario is not None:
+            same = held is not None and held.episode == setup.episode
+            known = held.changes if held is not None and same else []
+            n, i = scenario.size, self._robot
+            if held is not None and same and place(i, n, setup.away) != place(i, n, held.away):
+                own, known = with_changes(scenario, setup.changes), setup.changes
+                agent = self._agent = Agent(own, self._robot, episode=setup.episode, away=setup.away)
+                self._deaf_until = setup.closed_at
+                self._listen(agent)
             agent.set_faults(setup.faults)
-            known = held.changes if held is not None and held.episode == setup.episode else []
             if setup.changes != known:
                 agent.reshape(with_changes(scenario, setup.changes), round(setup.stamp / scenario.control_interval))
         self._setup = setup
@@ -259,7 +257,8 @@ class AgentNode:
             self._missed += tick.seq - self._answered - 1
         for key in sorted(key for key in self._plans if key[0] == tick.episode and key[1] < tick.seq):
             plan = self._plans.pop(key)
-            if not lockstep or (plan.seq == tick.seq - 1 and plan.sender in tick.planned):
+            fits = not lockstep or (plan.seq == tick.seq - 1 and plan.sender in tick.planned)
+            if fits and plan.seq >= self._deaf_until:
                 agent.receive(plan)
         answer = agent.step(tick)
         self._answered = tick.seq

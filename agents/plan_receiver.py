@@ -21,6 +21,8 @@ class PlanReceiver:
         self.belief = Belief()
         self.newest = -1
         """seq of the newest plan that came in physically."""
+        self._number = self._missing = 0
+        """Of the newest plan; plans between those that came in physically."""
         self._every = scenario.controller.plan_every
         self._link: Link[Plan] = Link(scenario.seed, LinkId(sender, receiver), scenario.link)
         self._corrupt = 0
@@ -37,7 +39,10 @@ class PlanReceiver:
     def push(self, plan: Plan) -> None:
         """A plan came in physically; one that was there before is ignored."""
         if plan.seq > self.newest:
-            self.newest = plan.seq
+            if self.newest >= 0:  # of what was sent before the first one nobody knows; there is one a tick at most
+                missing = min(plan.number - self._number, plan.seq - self.newest) - 1
+                self._missing += max(missing, 0)
+            self.newest, self._number = plan.seq, plan.number
             # Bursts are counted in messages, and there is one every plan_every ticks.
             self._link.push(plan.seq // self._every, plan.stamp, plan)
 
@@ -52,12 +57,12 @@ class PlanReceiver:
         return self.belief.plan is not before
 
     def counts(self) -> LinkCounts:
-        """What became of the plans sent over this link."""
+        """What became of the plans sent over this link, those included that the real network lost."""
         counts = self._link.counts
         return LinkCounts(
-            sent=counts.sent,
+            sent=counts.sent + self._missing,
             delivered=counts.delivered,
-            lost=counts.lost,
+            lost=counts.lost + self._missing,
             late=self.belief.late,
             corrupt=self._corrupt,
             duplicated=counts.duplicated,

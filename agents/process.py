@@ -12,8 +12,6 @@ from network.throttled_log import ThrottledLog
 
 def join(bus: Bus, robot: int) -> None:
     """Take the place of a robot's agent in the run; the node makes it appear once it is ready."""
-    for topic in (topics.PLAN, topics.COMMAND, topics.STATUS):
-        bus.announce(topic.key(bus.run, robot), reliable=topic.reliable == "always")
     bus.subscribe(topics.tick(bus.run))
 
 

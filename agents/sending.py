@@ -4,16 +4,25 @@ Between two plans a receiver carries the last one forward, so a plan that only r
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from agents.kernels.drifting import age_drifting
-from network.messages import Plan
+from network.messages import Command, Plan
 
 QUIET = 0.5
 """A plan goes out at least this often [s], so that silence can be told from a link that is cut."""
 WAITED = 0.001
 """While the plan knows of a robot that needs the formation to wait for more than this [s], every plan goes out."""
+
+
+class Answer(NamedTuple):
+    """What an agent publishes at a tick."""
+
+    command: Command
+    plan: Plan | None
+    """For its neighbours, on a planning tick."""
 
 
 class Sending:

@@ -54,10 +54,10 @@ class WindowEstimator:
         wish, body = scenario.estimator, scenario.nominal
         self.sees = sees and wish.relative and body.relative is not None
         """Whether the upstream neighbour is in the window."""
-        self.blocks = min(wish.window, scenario.size) if self.sees else 1
+        self.blocks = min(wish.window, task.members) if self.sees else 1
         """W, robots in the window."""
         self._task, self._motors, self._dt = task, motors, scenario.control_interval
-        self._ring = scenario.size
+        self._ring = task.members
         self._mode = HEARD if listens else SIGHT
         constants = tuning(body, self._dt, sees=self.sees, detects=wish.disturbances)
         self._late, self._tuning = constants.late, np.array(constants, dtype=np.float64)

@@ -10,8 +10,9 @@ import argparse
 import sys
 from time import monotonic
 
-from agents.agent import Agent, Answer
+from agents.agent import Agent
 from agents.node import STATUS_INTERVAL
+from agents.sending import Answer
 from formation.pattern import downstream
 from formation.scenario.files import load
 from formation.scenario.overrides import from_json

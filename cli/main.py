@@ -20,6 +20,7 @@ COMMANDS = {
     "status": "print the state of a live run",
     "robots": "list the robots of ROS 2 at a router",
     "recording": "look into a record, repair it, export its tables",
+    "replay": "show a record on the page, or two as run and ghost",
     "verify": "simulate a record again and compare every bit",
     "scenarios": "list the scenarios, or the keys of a scenario",
     "schema": "print the JSON schema of scenario files",

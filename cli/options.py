@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from network.access.keys import LOCAL, OPEN, protocol
 from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
+from runtime.record_keeper import file_name
 from runtime.run_registry import find
 from runtime.user_code import named
 
@@ -93,7 +93,7 @@ def record_file(options: argparse.Namespace, name: str) -> Path | None:
     """
     if options.record is None:
         return None
-    file = Path(options.record or f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap").absolute()
+    file = Path(options.record or file_name(name)).absolute()
     if file.exists():
         raise EchelonError(f"--record: expected the name of a new file; {file} exists")
     if not file.parent.is_dir():

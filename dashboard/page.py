@@ -17,12 +17,14 @@ from dashboard.panels.faults import FaultPanel
 from dashboard.panels.ledger import VERB as LEDGER
 from dashboard.panels.ledger import LedgerTab
 from dashboard.panels.link_matrix import link_matrix
-from dashboard.panels.plots import FIRST, SECOND, Chart
+from dashboard.panels.network import NetworkTab
+from dashboard.panels.plots import BELIEF, FIRST, SECOND, Chart
 from dashboard.panels.push import PushPanel
+from dashboard.panels.record import RecordPanel
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
 from dashboard.panels.view import ViewPanel
-from dashboard.requests import RequestQueue
+from dashboard.requests import NO_RUN, RequestQueue
 from dashboard.scenario_list import ScenarioList
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
@@ -55,22 +57,34 @@ PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
 class Page:
     """The panels and the scene, and the telemetry they are drawn from."""
 
-    def __init__(self, server: viser.ViserServer, bus: Bus, scenarios: ScenarioList | None = None) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        bus: Bus | None,
+        scenarios: ScenarioList | None = None,
+        feed: Feed | None = None,
+        name: str = "",
+    ) -> None:
         """Add everything to the page.
 
         Args:
             server: of the page.
-            bus: of the run.
+            bus: of the run; None for a record.
             scenarios: what the page offers; the shipped ones, if absent.
+            feed: of what is shown; that of the run, if absent.
+            name: of the record.
         """
         self._server = server
         self._scenarios = scenarios or ScenarioList()
-        self._feed = Feed(TelemetrySubscriber(bus))
+        if feed is None:
+            assert bus is not None
+            feed = Feed(TelemetrySubscriber(bus))
+        self._feed = feed
         self._widths: dict[int, int] = {}
         """Of the pages' windows [px]."""
         self._wide = True
         self._overlay: Overlay | None = None
-        self._ledger = LedgerTab(self._feed.playhead)
+        self._ledger, self._network = LedgerTab(self._feed.playhead), NetworkTab(self._feed)
         self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._feed.source, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
@@ -83,17 +97,18 @@ class Page:
         self._palette = DARK
         self._turn = 0
         apply_theme(server.gui, self._palette)
-        self._add_left_panel(server.gui, bus.run)
+        self._add_left_panel(server.gui, name if bus is None else bus.run)
         self._add_right_panel(server.gui)
 
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:
         gui.add_html(style_element())
-        self._run = RunPanel(gui, self._requests, self._scenarios)
+        self._run = RunPanel(gui, self._requests, self._scenarios, self._feed)
         self._drive = DrivePanel(self._server, self._requests)
         self._push = PushPanel(gui, self._requests)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
         self._export = ExportButtons(gui, run, self._feed.export_buffer, lambda: self._palette, self._notices.notify)
+        self._record = RecordPanel(gui, self._requests)
         self._clickable = Clickable(gui, self._clicked)
         self._overlay = Overlay(self._server, self._told)
         self._time_line = TimeLine(gui, self._feed)
@@ -102,15 +117,18 @@ class Page:
 
     def _add_right_panel(self, gui: viser.GuiApi) -> None:
         panel = gui.add_panel()
-        with panel.add_tab("Live", viser.Icon.CHART_LINE):
+        with panel.add_tab("Live"):  # five tabs fit in a row without icons only
             first = [Chart(gui, plot) for plot in FIRST]
             self._link_matrix = gui.add_html("")
             self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
-        with panel.add_tab("Robots", viser.Icon.ROBOT):
+        with panel.add_tab("Robots"):
             self._robot_table = gui.add_html("")
-        with panel.add_tab("Ledger", viser.Icon.LIST_DETAILS):
+        with panel.add_tab("Network"):
+            self._network_cards = gui.add_html("")
+            self._charts.append(Chart(gui, BELIEF))
+        with panel.add_tab("Ledger"):
             self._ledger_table = gui.add_html("")
-        with panel.add_tab("Log", viser.Icon.LIST):
+        with panel.add_tab("Log"):
             self._event_log = gui.add_html("")
         panel.dock_right()
         self._right = panel
@@ -150,6 +168,8 @@ class Page:
             return
         if verb == "focus":
             self._view.focus_on(event.client, number)
+        elif verb in ("kill", "restart") and not self._requests.possible:
+            self._requests.refuse(*NO_RUN, event.client_id)
         elif verb == LEDGER:
             self._ledger.press(number)
         elif verb in ("kill", "restart"):
@@ -202,7 +222,7 @@ class Page:
     def _pause(self, robots: int) -> float:
         """From this frame to the next [s]."""
         if not self._watched:
-            return UNWATCHED_PAUSE
+            return 0.0 if self._feed.loading else UNWATCHED_PAUSE
         return MANY_ROBOTS_FRAME if robots > MANY_ROBOTS else FRAME
 
     def _frame(self) -> int:
@@ -246,7 +266,7 @@ class Page:
     def _draw_panels(self, live: View, view: View, *, whole: bool) -> None:
         """Draw what belongs to the moment that is looked at, and controls as the run has them now."""
         snapshot = live.snapshot
-        self._run.draw(live, view, self._feed.history)
+        self._run.draw(live, view)
         self._drive.draw(snapshot)
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
@@ -256,6 +276,7 @@ class Page:
         self._turn += 1
         if whole or self._turn % 2:  # the other tabs take turns, because they change less
             self._robot_table.content = robot_table(view.snapshot, view.links, self._clickable)
+            self._network_cards.content = self._network.html(view, self._clickable, self._faults.target)
         if whole or not self._turn % 2:
             self._event_log.content = event_log(view.snapshot.state)
             self._ledger_table.content = self._ledger.html(snapshot.state, self._clickable)
@@ -264,6 +285,7 @@ class Page:
             self._push.draw(snapshot)
             self._agent_lifecycle.draw(snapshot.state)
             self._view.draw(snapshot.state)
+            self._record.draw(snapshot.state)
         self._export.update(snapshot)
         if self._overlay is not None:
             self._overlay.draw(view, self._scene.sizes)

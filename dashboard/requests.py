@@ -21,11 +21,14 @@ MOST_WAITING = 200
 POLL_SECONDS = 0.04
 """Between two checks of the resting values and of the scenario [s]."""
 
+NO_RUN = ("This is a record", "What was done in it cannot be changed")
+"""Notice for a request where there is no run."""
+
 
 class RequestQueue:
     """Sends users' requests in their order, and notifies a page if its request was refused."""
 
-    def __init__(self, bus: Bus, telemetry: Source, notify: Notify) -> None:
+    def __init__(self, bus: Bus | None, telemetry: Source, notify: Notify) -> None:
         self._bus, self._telemetry, self._notify = bus, telemetry, notify
         self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()
         """What is sent, and for which page; None wakes the thread for a resting value."""
@@ -41,6 +44,11 @@ class RequestQueue:
         self._errors = ThrottledLog()
         self._over = False
         self._thread = threading.Thread(target=self._work, name="requests", daemon=True)
+
+    @property
+    def possible(self) -> bool:
+        """Whether there is a world to send to: a record has none."""
+        return self._bus is not None
 
     def start(self) -> None:
         """Begin to send."""
@@ -147,6 +155,8 @@ class RequestQueue:
 
     def _do(self, operation: Operation) -> tuple[str, str] | None:
         """Send a request; returns title and text of a notice if it was not done."""
+        if self._bus is None:
+            return NO_RUN
         try:
             reply = self._bus.ask(operation)
             if reply is None and not self._bus.connected:  # then None comes at once

@@ -1,6 +1,7 @@
 """Directed links by their two ends, and which links a formation has. Text such as "1->2" is parsed here only."""
 
 import re
+from collections.abc import Collection
 from typing import NamedTuple, Self
 
 from formation.errors import FaultError, unknown
@@ -36,9 +37,9 @@ class LinkId(NamedTuple):
         return cls(_number(found[1]), _number(found[2]))
 
     @classmethod
-    def plans_to(cls, robot: int, robots: int) -> Self:
-        """The link over which a robot receives plans, in a ring of so many."""
-        return cls(upstream(robot, robots), robot)
+    def plans_to(cls, robot: int, robots: int, away: Collection[int] = ()) -> Self:
+        """The link over which a robot receives plans, in a ring of so many, of whom some are away."""
+        return cls(upstream(robot, robots, away), robot)
 
     @classmethod
     def plans_from(cls, robot: int, robots: int) -> Self:
@@ -68,33 +69,41 @@ def _number(end: str) -> int:
     return _NUMBERS[end] if end in _NUMBERS else int(end)
 
 
-def plan_links(robots: int, *, both: bool = False) -> list[LinkId]:
+def plan_links(robots: int, *, both: bool = False, away: Collection[int] = ()) -> list[LinkId]:
     """The ring's directed links, in the order of their senders: 1->2, 2->3, ...
 
     Args:
         robots: how many there are.
         both: whether robots also hear their downstream neighbour: then also 2->1, 3->2, ...
+        away: robots that are not in the ring.
     """
-    ring = [LinkId.plans_from(robot, robots) for robot in range(1, robots + 1)]
-    back = [LinkId(link.receiver, link.sender) for link in ring] if both and robots > 2 else []
+    members = [robot for robot in range(1, robots + 1) if robot not in away]
+    ring = [LinkId(robot, downstream(robot, robots, away)) for robot in members]
+    back = [LinkId(link.receiver, link.sender) for link in ring] if both and len(members) > 2 else []
     return ring + back
 
 
-def every_link(robots: int, *, both: bool = False, driven: bool = False) -> list[LinkId]:
-    """All links that can be given a fault: the ring, each robot's poses and commands, and the orders of a driver."""
+def every_link(robots: int, *, both: bool = False, driven: bool = False, away: Collection[int] = ()) -> list[LinkId]:
+    """All links that can be given a fault: the ring, each robot's poses and commands, and the orders of a driver.
+
+    The ring is the whole one, and the one that is closed over robots that are away.
+    """
     own = [link for robot in range(1, robots + 1) for link in (LinkId.poses_to(robot), LinkId.commands_from(robot))]
-    return plan_links(robots, both=both) + own + ([DRIVING] if driven else [])
+    rings = [*plan_links(robots, both=both), *(plan_links(robots, both=both, away=away) if away else [])]
+    return [*dict.fromkeys(rings), *own, *([DRIVING] if driven else [])]
 
 
-def links_named(name: str, robots: int, *, both: bool = False, driven: bool = False) -> list[LinkId]:
-    """The links that `name` stands for: itself, or the ring's for "all".
+def links_named(
+    name: str, robots: int, *, both: bool = False, driven: bool = False, away: Collection[int] = ()
+) -> list[LinkId]:
+    """The links that `name` stands for: itself, or for "all" those of the ring without the robots that are away.
 
     Raises:
         FaultError: there is no such link; the text lists them.
     """
     if name.strip() == "all":
-        return plan_links(robots, both=both)
-    links = every_link(robots, both=both, driven=driven)
+        return plan_links(robots, both=both, away=away)
+    links = every_link(robots, both=both, driven=driven, away=away)
     try:
         link = LinkId.parse(name)
     except FaultError:

@@ -1,6 +1,7 @@
 """Errors of a formation: pattern errors, tracking error, the paper's error state; RMS and quantiles of any signal."""
 
 import math
+from collections.abc import Collection
 from typing import overload
 
 import numpy as np
@@ -47,16 +48,23 @@ def pairs(places: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.hypot(gap[..., 0], gap[..., 1]), np.arctan2(gap[..., 0], -gap[..., 1])
 
 
-def pattern_errors(poses: FloatArray, slots: FloatArray) -> tuple[FloatArray, FloatArray]:
+def pattern_errors(poses: FloatArray, slots: FloatArray, away: Collection[int] = ()) -> tuple[FloatArray, FloatArray]:
     """Distance and angle errors of every pair: l_e = l_r - l [m] and psi_e = psi_r - psi [rad] (section 2.1).
 
     Args:
         poses: (..., n, 2 or more) poses of all robots.
         slots: (..., n, 2 or more) where they should be; only their relative positions count.
+        away: numbers of robots over which the ring is closed; they have no error.
 
     Returns:
         l_e and psi_e, each (..., n).
     """
+    if away:
+        rows = [row for row in range(poses.shape[-2]) if row + 1 not in away]
+        of_all = np.zeros(np.broadcast_shapes(poses.shape[:-1], slots.shape[:-1]))
+        angles = of_all.copy()
+        of_all[..., rows], angles[..., rows] = pattern_errors(poses[..., rows, :], slots[..., rows, :])
+        return of_all, angles
     distance, angle = pairs(poses)
     wanted, wanted_angle = pairs(slots)
     return wanted - distance, wrapped(wanted_angle - angle)
@@ -87,6 +95,12 @@ def nearest(places: FloatArray) -> tuple[int, int, float]:
     apart = np.hypot(*(places[one, :2] - places[other, :2]).T)
     at = int(apart.argmin())
     return int(one[at]) + 1, int(other[at]) + 1, float(apart[at])
+
+
+def tracking_error_of_some(poses: FloatArray, slots: FloatArray, away: Collection[int]) -> FloatArray:
+    """Distance (...) of the mean position of the robots that are not away to that of their slots [m]."""
+    rows = [row for row in range(poses.shape[-2]) if row + 1 not in away]
+    return tracking_error(poses[..., rows, :], slots[..., rows, :2].mean(axis=-2))
 
 
 def tracking_error(poses: FloatArray, centre: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ Robots are numbered from 1; row i - 1 of every array belongs to robot i. Robot i
 neighbour i - 1, robot 1 those of the last (Assumption 1 and fig. 1 of the paper).
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,14 +24,31 @@ class Pattern:
     """(n, 2) p_v^O: the formation's centre seen from the pair's, in the frame O of the pair [m]."""
 
 
-def upstream(robot: int, robots: int) -> int:
-    """The number of the robot whose plans `robot` receives."""
-    return (robot - 2) % robots + 1
+def upstream(robot: int, robots: int, away: Collection[int] = ()) -> int:
+    """The number of the robot whose plans `robot` receives; the ring closes over those that are away."""
+    found = (robot - 2) % robots + 1
+    while found in away and found != robot:
+        found = (found - 2) % robots + 1
+    return found
 
 
-def downstream(robot: int, robots: int) -> int:
-    """The number of the robot that receives the plans of `robot`."""
-    return robot % robots + 1
+def downstream(robot: int, robots: int, away: Collection[int] = ()) -> int:
+    """The number of the robot that receives the plans of `robot`; the ring closes over those that are away."""
+    found = robot % robots + 1
+    while found in away and found != robot:
+        found = found % robots + 1
+    return found
+
+
+def neighbours(robot: int, robots: int, away: Collection[int] = ()) -> tuple[int, int, int]:
+    """The robot upstream, the one upstream of that, and the one downstream."""
+    other = upstream(robot, robots, away)
+    return other, upstream(other, robots, away), downstream(robot, robots, away)
+
+
+def place(robot: int, robots: int, away: Collection[int] = ()) -> tuple[bool, int, int, int]:
+    """The robot's place in the ring: whether it is away, and its neighbours."""
+    return robot in away, *neighbours(robot, robots, away)
 
 
 def pattern(offsets: FloatArray) -> Pattern:

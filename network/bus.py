@@ -80,6 +80,13 @@ class Unsubscribe(NamedTuple):
     key: str
 
 
+class Announce(NamedTuple):
+    """Prepare to publish on this key, so that the first message finds its subscribers."""
+
+    key: str
+    reliable: bool
+
+
 class Appear(NamedTuple):
     """Be seen as alive from now on."""
 
@@ -114,7 +121,7 @@ class Reject(NamedTuple):
     reason: str
 
 
-Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Appear | Reject
+Action = Publish | Ask | Respond | Subscribe | Unsubscribe | Announce | Appear | Reject
 
 
 class Kept(Protocol):
@@ -240,6 +247,8 @@ def perform(bus: Bus, actions: Iterable[Action], log: ThrottledLog) -> None:
                 bus.subscribe(key)
             case Unsubscribe(key):
                 bus.unsubscribe(key)
+            case Announce(key, reliable):
+                bus.announce(key, reliable=reliable)
             case Appear(role, number):
                 bus.appear(role, number)
             case Reject(key, reason):

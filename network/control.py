@@ -11,7 +11,7 @@ from formation.schema import Duration, NonNegative
 from formation.validation import problems
 from network import topics
 from network.fields import Link
-from network.interventions import MAX_SECONDS, Move, OperationModel, Push, Release, Reshape, Robot
+from network.interventions import MAX_SECONDS, Join, Leave, Move, OperationModel, Push, Release, Reshape, Robot
 from network.requests import Request
 from network.values import Intervention
 
@@ -104,6 +104,12 @@ class Compare(OperationModel):
     """A name that the world knows, or "off"."""
 
 
+class Record(OperationModel):
+    """Have the launcher start a recorder, with a new file in the folder that the run was started from, or end it."""
+
+    on: bool
+
+
 class Stop(OperationModel):
     """End the run and its processes."""
 
@@ -188,6 +194,7 @@ Operation = (
     | Kill
     | Restart
     | Compare
+    | Record
     | Stop
     | GetSetup
     | Drive
@@ -196,6 +203,8 @@ Operation = (
     | Move
     | Release
     | Reshape
+    | Leave
+    | Join
     | GetOrders
     | GetSummary
     | GetTrace
@@ -214,6 +223,7 @@ OPERATIONS: dict[str, type[Operation]] = {
     "kill": Kill,
     "restart": Restart,
     "compare": Compare,
+    "record": Record,
     "stop": Stop,
     "setup": GetSetup,
     "drive": Drive,
@@ -222,6 +232,8 @@ OPERATIONS: dict[str, type[Operation]] = {
     "move": Move,
     "release": Release,
     "shape": Reshape,
+    "leave": Leave,
+    "join": Join,
     "orders": GetOrders,
     "summary": GetSummary,
     "trace": GetTrace,

@@ -45,6 +45,18 @@ class Release(OperationModel):
     """None: of all robots."""
 
 
+class Leave(OperationModel):
+    """Take a robot out of the ring, which closes over it; it stands until `Join` or a reset."""
+
+    robot: Robot
+
+
+class Join(OperationModel):
+    """Take a robot that a user took out of the ring into it again."""
+
+    robot: Robot
+
+
 class Reshape(OperationModel):
     """Change the shape, the spacing, or both, from the next tick on; a reset returns to the scenario's."""
 

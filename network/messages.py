@@ -34,8 +34,8 @@ from network.fields import (
     Way,
 )
 from network.requests import Reply, Request, Setup
-from network.stretch import Stretch
-from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RunStatus
+from network.stretch import Recording, Stretch
+from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RecordWish, RunStatus
 
 VERSION = 5
 """Of the wire: processes of another version refuse each other's bytes."""
@@ -251,6 +251,10 @@ class State:
     pushes: list[Pushed] = field(default_factory=list)
     """Disturbances that act now."""
     resumed: list[Count] = field(default_factory=list)  # ticks at which its segments begin, but for the first
+    away: list[Sender] = field(default_factory=list)  # robots over which the ring is closed
+    record: RecordWish = ""  # of users
+    recording: Recording | None = None
+    """How the record stands; None while there is no recorder."""
     __pydantic_config__ = STRICT
 
 
@@ -271,4 +275,18 @@ class Ghost:
     __pydantic_config__ = STRICT
 
 
-Message = Tick | Plan | Command | Status | State | Stretch | Ghost | BodyInput | BodyPose | Setup | Request | Reply
+Message = (
+    Tick
+    | Plan
+    | Command
+    | Status
+    | State
+    | Stretch
+    | Recording
+    | Ghost
+    | BodyInput
+    | BodyPose
+    | Setup
+    | Request
+    | Reply
+)

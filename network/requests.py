@@ -24,6 +24,10 @@ class Setup:
     faults: dict[Link, Fault]  # as in State
     changes: list[dict[str, Any]] = field(default_factory=list)
     """Changes of the shape that users made in this episode: keys of a formation.formation_spec.Change."""
+    away: list[Sender] = field(default_factory=list)
+    """Robots over which the ring is closed."""
+    closed_at: Count = 0
+    """Tick from which on that is so: whoever has another neighbour since then begins anew there."""
     user_code: list[UserCode] = field(default_factory=list)  # who has another text of it has no part in the run
     __pydantic_config__ = STRICT
 

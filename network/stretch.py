@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from formation.scenario.user_code import UserCode
-from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender
+from network.fields import STRICT, Count, Inputs, LongText, NonNegative, Pose, Poses, Sender, Text
 from network.values import Event, Excursion, Mode
 
-Kind = Literal["faults", "drive", "agents", "push", "release", "shape"]
+Kind = Literal["faults", "drive", "agents", "push", "release", "shape", "ring"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,4 +56,21 @@ class Stretch:
     """With the scenario: ticks from which on a world went on from a saved state, and every agent began anew."""
     user_code: list[UserCode] = field(default_factory=list)
     """With the scenario: the code of a user's own that it runs with."""
+    __pydantic_config__ = STRICT
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Recorder to world, with every chunk that it has closed: how its record stands."""
+
+    sender: Sender
+    seq: Count
+    stamp: NonNegative
+    """Of the newest poses in it."""
+    episode: Count
+    file: Text
+    bytes: Count
+    """On disk."""
+    seconds: NonNegative
+    """Since it began [s of wall clock]."""
     __pydantic_config__ = STRICT

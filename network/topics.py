@@ -12,7 +12,7 @@ from typing import Any, Literal
 from network.bodies import BodyInput, BodyPose
 from network.messages import Command, Ghost, Plan, State, Status, Tick
 from network.requests import Reply, Request, Setup
-from network.stretch import Stretch
+from network.stretch import Recording, Stretch
 from network.values import Mode
 
 Role = Literal[
@@ -96,7 +96,7 @@ PLAN = Topic(
     "pose, body velocities over the horizon, delay, estimated disturbance, raw measurements, who needs the others to "
     "wait",
     pace="each planning tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 COMMAND = Topic(
@@ -106,7 +106,7 @@ COMMAND = Topic(
     "agent",
     "v, omega, age of the plan used, solve time, whether the solver converged",
     pace="each tick",
-    reliable="always",
+    reliable="lockstep",
     recorded=True,
 )
 STATUS = Topic(
@@ -116,7 +116,7 @@ STATUS = Topic(
     "agent",
     "its newest plan, the newest that it received, age and counts of its link, solve time, Nash gap",
     rate=10.0,
-    reliable="always",
+    reliable="lockstep",
     stale=0.25,
     recorded=True,
 )
@@ -139,6 +139,14 @@ STRETCH = Topic(
     pace="20 Hz of simulated time while recording",
     reliable="lockstep",
     recorded=True,
+)
+RECORDING = Topic(
+    "recording",
+    "recording",
+    (Recording,),
+    "recorder",
+    "file, size and time of the record",
+    pace="each chunk of the record",
 )
 GHOST = Topic(
     "ghost",
@@ -171,7 +179,22 @@ ASKERS: tuple[Role, ...] = ("dashboard", "operator")
 """Who gives orders; anybody in the run may ask questions."""
 ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
 
-TOPICS = (TICK, PLAN, COMMAND, STATUS, STATE, STRETCH, GHOST, BODY_INPUT, BODY_POSE, CONTROL, QUESTION, ALIVE)
+TOPICS = (
+    TICK,
+    PLAN,
+    COMMAND,
+    STATUS,
+    STATE,
+    STRETCH,
+    RECORDING,
+    GHOST,
+    BODY_INPUT,
+    BODY_POSE,
+    CONTROL,
+    QUESTION,
+    ALIVE,
+)
+OF_AGENTS = (PLAN, COMMAND, STATUS)
 MESSAGES: dict[str, type[Any]] = {kind.__name__.lower(): kind for topic in TOPICS for kind in topic.messages}
 """Every message by its name on the wire."""
 
@@ -204,6 +227,11 @@ def state(run: str) -> str:
 def stretch(run: str) -> str:
     """The world's Stretch, for recorders."""
     return STRETCH.key(run)
+
+
+def recording(run: str) -> str:
+    """The recorder's Recording."""
+    return RECORDING.key(run)
 
 
 def ghost(run: str) -> str:

@@ -70,9 +70,10 @@ class Intervention:
     """What a user did to the robots of an episode, from a tick on: who simulates it again repeats it there."""
 
     tick: Count
-    kind: Literal["push", "release", "shape"]
+    kind: Literal["push", "release", "shape", "ring"]
     value: dict[str, Any]
-    """push: keys of a formation.disturbances.Disturbance. release: robot, None for all. shape: keys of a Change."""
+    """push: keys of a formation.disturbances.Disturbance. release: robot, None for all. shape: keys of a Change.
+    ring: away, the robots over which it is closed, whoever caused that."""
     __pydantic_config__ = STRICT
 
 
@@ -127,4 +128,6 @@ class Excursion:
     __pydantic_config__ = STRICT
 
 
+RecordWish = Literal["", "on", "off"]
+"""Whether users want the run to be recorded; empty: as it was started."""
 RunStatus = Literal["waiting", "running", "paused", "finished"]

@@ -79,6 +79,11 @@ class Fields:
             raise ValueError(f"expected little-endian CDR; got {data[: len(HEAD)]!r}")
         self._data, self._at = data, len(HEAD)
 
+    @property
+    def at(self) -> int:
+        """Where the next field is looked for, in bytes from the beginning."""
+        return self._at
+
     def get(self, code: Code) -> Any:
         """A primitive field."""
         packer = _STRUCTS[code]

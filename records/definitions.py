@@ -45,7 +45,7 @@ _TEXTS = {
     ),
     "echelon_msgs/Link": (
         "std_msgs/Header header\nstring link\nfloat64 age\nuint64 sent\nuint64 delivered\nuint64 lost\nuint64 late\n"
-        "uint64 corrupt\nfloat64 solve\nfloat64 gap"
+        "uint64 corrupt\nfloat64 solve\nfloat64 gap\nfloat64 way_age\nbool way_over"
     ),
     "echelon_msgs/Fault": (
         "std_msgs/Header header\nstring link\nfloat64 latency\nfloat64 jitter\nfloat64 loss\nfloat64 burst\n"

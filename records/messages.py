@@ -164,8 +164,13 @@ def metrics(stamp: int, tracking: float, distance: FloatArray, angle: FloatArray
     return bytes(cdr)
 
 
-def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float, gap: float) -> bytes:
-    """echelon_msgs/Link: what an agent knows of its link [s], the counts of its messages, and its solver."""
+def link(
+    stamp: int, name: str, age: float, counts: Iterable[int], solve: float, gap: float, way: tuple[float, bool]
+) -> bytes:
+    """echelon_msgs/Link: what an agent knows of its link [s], the counts of its messages, its solver, and its way.
+
+    The way is how old its knowledge of the path is [s], and whether it is used up.
+    """
     cdr = Cdr()
     _header(cdr, stamp, MAP)
     cdr.text(name)
@@ -174,6 +179,8 @@ def link(stamp: int, name: str, age: float, counts: Iterable[int], solve: float,
         cdr.put("Q", count)
     cdr.put("d", solve)
     cdr.put("d", gap)
+    cdr.put("d", way[0])
+    cdr.put("B", way[1])
     return bytes(cdr)
 
 

@@ -55,13 +55,17 @@ def _record(bus: Bus, file: RecordFile, lifetime: Lifetime, detail: Detail) -> N
     """Write to the file until the lifetime is over. Raises OSError if it cannot be written any more."""
     try:
         recorder, log = Recorder(file, bus.run, time_ns(), detail=detail), ThrottledLog()
+        bus.announce(topics.recording(bus.run))
         bus.appear("recorder")
-        flushed = monotonic()
+        began = flushed = monotonic()
+        count = 0
         while not lifetime.over:
             take(recorder, bus.arrivals(FLUSH_SECONDS), log)
             if monotonic() - flushed >= FLUSH_SECONDS:
                 file.flush()
                 flushed = monotonic()
+                count += 1
+                bus.publish(topics.recording(bus.run), recorder.stands(count, flushed - began))
         take(recorder, bus.arrivals(), log)
         file.close()
     except OSError:

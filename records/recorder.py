@@ -16,9 +16,9 @@ from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
-from network.messages import VERSION, Plan, Status
-from network.stretch import Order, Stretch
-from network.values import LinkCounts
+from network.messages import VERSION, WORLD, Plan, Status
+from network.stretch import Order, Recording, Stretch
+from network.values import Believed, LinkCounts
 from records import messages, pictures
 from records.file import RecordFile
 
@@ -88,6 +88,11 @@ class Recorder:
     def full(self) -> bool:
         """Whether the record holds everything."""
         return self._detail == "full"
+
+    def stands(self, count: int, seconds: float) -> Recording:
+        """How the record stands, for displays; `count` numbers these messages, `seconds` are since it began."""
+        number, file = self._episode.number if self._episode else 0, self._file
+        return Recording(WORLD, count, self._now, number, str(file.path), file.size, seconds)
 
     def take(self, stretch: Stretch) -> None:
         """Some ticks of the world. Those of an episode whose beginning was not heard are left out."""
@@ -212,17 +217,19 @@ class Recorder:
         self._shown[number] = self._now
         self._ages[status.link] = status.age
         robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
-        if status.plan is not None:
-            self._draw(episode, f"{robot}/plan", status.plan, at)
-        if status.held is not None:
-            self._draw(episode, f"{robot}/belief", status.held, at)
-        data = messages.link(at, str(status.link), status.age, _counts(status.counts), status.solve, status.gap)
+        plan, believes = status.plan, status.believes
+        if plan is not None:
+            self._draw(episode, f"{robot}/plan", plan, plan.interval, at)
+            if believes is not None:
+                self._draw(episode, f"{robot}/belief", believes, plan.interval, at)
+        counts, way = _counts(status.counts), (status.way_age, status.lost)
+        data = messages.link(at, str(status.link), status.age, counts, status.solve, status.gap, way)
         self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
 
-    def _draw(self, episode: _Episode, topic: str, plan: Plan, at: int) -> None:
-        poses = roll_out(plan.pose[None], plan.inputs[None], plan.interval)[0]
+    def _draw(self, episode: _Episode, topic: str, plan: Plan | Believed, interval: float, at: int) -> None:
+        poses = roll_out(plan.pose[None], plan.inputs[None], interval)[0]
         begins = episode.begins + round(plan.begins * 1e9)
-        step = round(plan.interval * 1e9)
+        step = round(interval * 1e9)
         stamps = [begins + i * step for i in range(len(poses))]
         self._write(topic, "nav_msgs/Path", at, messages.path(at, poses, stamps))
 

@@ -2,7 +2,7 @@
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +12,6 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
-from mcap.records import Message as McapMessage
 from mcap.writer import MCAP0_MAGIC
 
 from formation.errors import EchelonError
@@ -20,6 +19,8 @@ from formation.errors import EchelonError
 _RECORD = struct.Struct("<BQ")
 _CHUNK = struct.Struct("<QQQII")
 """First and last time, size and CRC-32 of its records, length of the compression's name."""
+_MESSAGE = struct.Struct("<HIQQ")
+"""Channel, number, time of the log and of its publication; the data follow."""
 _LENGTH = struct.Struct("<Q")
 _COMPRESSION = b"zstd"
 _SIGNATURE = struct.pack("<I", len(_COMPRESSION)) + _COMPRESSION
@@ -68,8 +69,12 @@ class _DamagedError(Exception):
     """A record that cannot be read."""
 
 
-def scan(path: Path) -> Iterator[Item]:
+def scan(path: Path, wants: Callable[[str], bool] = lambda _: True) -> Iterator[Item]:
     """Everything in a record, in the order of the file.
+
+    Args:
+        path: of the file.
+        wants: whether messages of a topic are wanted; others are left out, which takes little time.
 
     Raises:
         EchelonError: it cannot be read, or it is no MCAP file.
@@ -81,14 +86,16 @@ def scan(path: Path) -> Iterator[Item]:
     if not data.startswith(MCAP0_MAGIC):
         what = "an empty file" if not data else f"a file that begins with {data[:8]!r}"
         raise EchelonError(f"expected an MCAP file; got {what}: {path}")
-    return _Scan(data).items()
+    return _Scan(data, wants).items()
 
 
 class _Scan:
     """One pass over the bytes of a file."""
 
-    def __init__(self, data: bytes) -> None:
-        self._data = data
+    def __init__(self, data: bytes, wants: Callable[[str], bool]) -> None:
+        self._data, self._wants = data, wants
+        self._known: dict[int, tuple[str, str, str] | None] = {}
+        """Topic, type and definition of each channel that messages came over; None if they are not wanted."""
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._over = False
@@ -141,15 +148,22 @@ class _Scan:
                 channel = Channel.read(ReadDataStream(BytesIO(content)))
                 self._channels[channel.id] = channel
             case Opcode.MESSAGE:
-                message = McapMessage.read(ReadDataStream(BytesIO(content)), len(content))
-                channel = self._channels[message.channel_id]
-                schema = self._schemas[channel.schema_id]
-                yield Message(channel.topic, schema.name, schema.data.decode(), message.log_time, message.data)
+                number, _, time, _ = _MESSAGE.unpack_from(content)
+                known = self._known[number] if number in self._known else self._channel(number)
+                if known is not None:
+                    yield Message(*known, time, content[_MESSAGE.size :])
             case Opcode.METADATA:
                 metadata = Metadata.read(ReadDataStream(BytesIO(content)))
                 yield Note(metadata.name, metadata.metadata)
             case Opcode.DATA_END:
                 self._over = True
+
+    def _channel(self, number: int) -> tuple[str, str, str] | None:
+        channel = self._channels[number]
+        schema = self._schemas[channel.schema_id]
+        known = (channel.topic, schema.name, schema.data.decode()) if self._wants(channel.topic) else None
+        self._known[number] = known
+        return known
 
     def _chunk(self, content: bytes) -> Iterator[Item]:
         _, _, size, crc, length = _CHUNK.unpack_from(content)

@@ -1,13 +1,15 @@
 """The fast engine: world and agents in one process, on a counted clock, through the same links."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from time import perf_counter
 from typing import Any
 
-from agents.agent import Agent, Answer
+from agents.agent import Agent
 from agents.controllers.interface import Team
 from agents.controllers.registry import team_for
-from formation.pattern import downstream, upstream
+from agents.sending import Answer
+from formation.errors import ScenarioError
+from formation.pattern import place
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
 from world.measures.trace import Trace
@@ -29,16 +31,33 @@ class Simulation:
         """
         self.world = World(scenario, endless=endless)
         self._team = team or team_for(scenario)
+        if self._team and scenario.membership.changes:
+            raise ScenarioError(f"membership.changes: {scenario.controller.name} plans for all robots, none may leave")
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
         self.world.live = set(self.agents)
-        self._both = any(len(agent.hears) > 1 for agent in self.agents.values())
+        self._away = self.world.away
+        self._heard_by = self._hearers()
         self._revision, self._scenario = -1, scenario
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
 
     def _agent(self, robot: int) -> Agent:
         world = self.world
         member = self._team.member(robot) if self._team else None
-        return Agent(world.scenario, robot, episode=world.episode, controller=member)
+        return Agent(world.scenario, robot, episode=world.episode, controller=member, away=world.away)
+
+    def _hearers(self) -> dict[int, list[int]]:
+        """By robot, who takes its plans."""
+        agents = self.agents
+        return {robot: [other for other in agents if robot in agents[other].hears] for robot in agents}
+
+    def _close_ring(self) -> set[int]:
+        """The ring has changed: the robots that have another place in it, whose agents begin anew."""
+        n, before, away = len(self.agents), self._away, self.world.away
+        moved = {robot for robot in self.agents if place(robot, n, before) != place(robot, n, away)}
+        self._away = away
+        self.agents |= {robot: self._agent(robot) for robot in moved}
+        self._heard_by = self._hearers()
+        return moved
 
     def _reshape(self, scenario: Scenario) -> None:
         """Users have changed the shape."""
@@ -70,22 +89,25 @@ class Simulation:
         self.world.go_on()
         self._scenario = self.world.scenario
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
-        self._plans = []
+        self._away, self._plans = self.world.away, []
+        self._heard_by = self._hearers()
 
     def step(self) -> dict[int, Answer]:
         """One tick: deliver plans, plan, move. What every agent answered."""
         world, agents = self.world, self.agents
+        moved: Collection[int] = ()
         tick = world.tick()
         if tick.revision != self._revision:
             self._revision = tick.revision
+            moved = self._close_ring() if world.away != self._away else moved
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
             if world.scenario is not self._scenario:
                 self._reshape(world.scenario)
         for plan in self._plans:
-            agents[downstream(plan.sender, len(agents))].receive(plan)
-            if self._both:
-                agents[upstream(plan.sender, len(agents))].receive(plan)
+            for robot in self._heard_by[plan.sender]:
+                if robot not in moved:
+                    agents[robot].receive(plan)
         if self._team:
             self._team.see(tick.seq, world.plant.poses)
         answers = {robot: agent.step(tick) for robot, agent in agents.items()}

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -21,7 +22,8 @@ from runtime.endings import Endings
 from runtime.hosts.listening import Listening
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
-from runtime.process_list import RunPlan, agent, programs
+from runtime.process_list import RunPlan, agent, programs, recorder
+from runtime.record_keeper import RecordKeeper
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
@@ -81,6 +83,8 @@ class LiveRun:
             wanted = programs(self._plan, self._scenario)
             check_enough(len(wanted))
             self._keeper = AgentKeeper(self._supervisor, lambda number: agent(self._plan, number), self._here)
+            folder = Path(self._plan.scenarios or ".").absolute()
+            self._records = RecordKeeper(self._supervisor, lambda file: recorder(self._plan, file), folder, self._tell)
             self._supervisor.start(wanted)
             self._session = ZenohBus(self._plan.connect, self._plan.run)
             self._session.subscribe(topics.state(self._plan.run))
@@ -163,6 +167,7 @@ class LiveRun:
         self._listen()
         if self._state is not None:
             self._keeper.keep(self._state)
+            self._records.keep(self._state)
         return True
 
     def _listen(self) -> None:

@@ -88,7 +88,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
     router += ("--folder", plan.folder) if plan.folder and not plan.containers else ()
     found = [Program("router", 0, "network", router), Program("world", 0, "world", tuple(world))]
     if plan.record is not None:  # before the agents: what happens at once is to be in the record
-        found.append(Program("recorder", 0, "records", (*common, "--file", plan.record, "--detail", plan.detail)))
+        found.append(recorder(plan, plan.record))
     found += [Program("body", number, "ros.body", (*common, "--robot", spec)) for number, spec in plan.robots]
     robots = [number for number in range(1, scenario.size + 1) if plan.here is None or number in plan.here]
     found += [agent(plan, number) for number in robots]
@@ -106,6 +106,11 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         more = [word for flag, value in offered if value for word in (flag, value)]
         found.append(Program("dashboard", 0, "dashboard", (*common, *where, *more)))
     return found
+
+
+def recorder(plan: RunPlan, file: str) -> Program:
+    """Records the run in a file."""
+    return Program("recorder", 0, "records", (*_common(plan), "--file", file, "--detail", plan.detail))
 
 
 def agent(plan: RunPlan, number: int) -> Program:

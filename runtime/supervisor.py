@@ -68,6 +68,25 @@ class Supervisor:
             process.join(STOP_SECONDS)
             self._tell(f"{program.name} {why}")
 
+    @property
+    def roles(self) -> set[str]:
+        """Of the processes that run, or will run again."""
+        return {program.role for program in (*self._running, *self._again)}
+
+    def end(self, role: str) -> None:
+        """Ask the processes of a role to end, and do not bring them back."""
+        for program in [program for program in self._again if program.role == role]:
+            del self._again[program]
+        ended = {program: process for program, process in self._running.items() if program.role == role}
+        for program, process in ended.items():
+            del self._running[program]
+            process.terminate()
+        for process in ended.values():
+            process.join(STOP_SECONDS)
+            if process.exitcode is None:
+                process.kill()
+                process.join(1.0)
+
     def watch(self, seconds: float) -> int | None:
         """Supervise the processes for some time. Returns the world's exit code once it has ended by itself.
 

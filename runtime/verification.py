@@ -92,7 +92,7 @@ def shadow_of(episode: RecordedEpisode) -> Shadow:
     shadow.learn(
         [(order.tick * episode.interval, table_of(order)) for order in orders if order.kind == "faults"],
         [(order.tick, order.value["v"], order.value["omega"]) for order in orders if order.kind == "drive"],
-        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape")],
+        [_intervention(order) for order in orders if order.kind in ("push", "release", "shape", "ring")],
     )
     shadow.resume_at(episode.resumed)
     return shadow

@@ -56,6 +56,8 @@ class CommandLinks:
 
     def reports(self) -> list[tuple[str, Severity]]:
         """Which robots the watchdog has stopped or released since the last call."""
+        if self.held == self._reported:
+            return []
         changed, self._reported = sorted(self._reported ^ self.held), set(self.held)
         return [_report(robot, stopped=robot in self.held) for robot in changed]
 

@@ -53,4 +53,6 @@ class Display:
             waiting_for=sorted({*self._presence.missing, *silent}),
             dismissed=self._presence.dismissed,
             compare=self._control.compare,
+            record=self._control.record,
+            recording=self._control.recording,
         )

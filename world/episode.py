@@ -8,12 +8,14 @@ import numpy as np
 
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, tracking_error
+from formation.metrics import pattern_errors, tracking_error, tracking_error_of_some
+from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, State, Status, Tick
 from network.requests import Setup
-from network.values import Driving, Event, LinkCounts, Mode, RunStatus
+from network.stretch import Recording
+from network.values import Driving, Event, LinkCounts, Mode, RecordWish, RunStatus
 from world.bodies.interface import Bodies
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
@@ -25,6 +27,7 @@ from world.measures.contacts import AtLimits, Contacts
 from world.measures.convergence import Convergence
 from world.measures.ledger import Ledger
 from world.measures.trace import Trace
+from world.members import Members
 from world.sight import Sight
 
 SHOWN_EVENTS, SHOWN_EXCURSIONS = 40, 20
@@ -68,6 +71,9 @@ class Episode:
         self.faults = FaultState(scenario)
         self.faults.update(0.0)
         self.interventions = Interventions(scenario, self.plant)
+        self.members = Members(scenario)
+        self.away: frozenset[int] = frozenset()  # robots over which the ring is closed
+        self.closed_at = 0  # tick from which on it is so
         self.driver = Driver(scenario, forgets=self.endless) if scenario.driven else None
         self.reference = self.driver.reference if self.driver else scenario.reference()
         self.trace = None if self.endless else Trace(scenario, scenario.ticks, self.reference)
@@ -86,6 +92,8 @@ class Episode:
         self._commands.set_faults(self.faults.table)
         self._look()
         self._drive()
+        self.members.look(0, ())
+        self._close_ring()
         self._note_pushes()
 
     # ------------------------------------------------------------------ state
@@ -117,6 +125,29 @@ class Episode:
         for one, other in self.contacts.look(self.plant.poses):
             self.event("contact", f"robots {one} and {other} touch", "warning")
 
+    def _close_ring(self) -> None:
+        """Have the ring closed over the robots that are away, if these are others than before."""
+        before, away = self.away, self.members.away
+        if away == before:
+            return
+        self.away, self.closed_at = away, self.k
+        self.revision += 1
+        self.interventions.ring(self.k, away)
+        self.faults.close_over(away)
+        self.faults.update(self.now)
+        self._commands.set_faults(self.faults.table)
+        if self.trace:
+            self.trace.close_over(away)
+        for robot in sorted(away - before):
+            hears = downstream(robot, self.scenario.size, away)
+            text = f"robot {robot} leaves the ring: robot {hears} hears robot {upstream(hears, len(self.robots), away)}"
+            told = robot == 1 and self.scenario.path.known_to == "leader"
+            self.event("agent", text, "warning")
+            if told:
+                self.event("agent", "nobody tells the robots the path: the formation stops", "error")
+        for robot in sorted(before - away):
+            self.event("agent", f"robot {robot} joins the ring")
+
     def _keep_ledger(self, commands: Mapping[int, Command]) -> None:
         """Look for excursions after a tick."""
         block = self.reference.block(self.k)
@@ -128,6 +159,7 @@ class Episode:
             faults=self.faults.table,
             disturbances=self.interventions.acting,
             live=self.live,
+            away=self.away,
         ):
             self.event("excursion", line, "info" if line.endswith("again") else "warning")
 
@@ -145,7 +177,7 @@ class Episode:
         """Take an agent's Status."""
         if status.episode == self.episode and status.sender in self.robots:
             self.statuses[status.sender] = status
-            if status.link == LinkId.plans_to(status.sender, self.scenario.size):  # a peer may send anything
+            if status.link == LinkId.plans_to(status.sender, self.scenario.size, self.away):  # a peer may send anything
                 self.counts[status.link] = status.counts
 
     # ------------------------------------------------------------------ what is published
@@ -162,6 +194,8 @@ class Episode:
             mode=self.mode,
             faults=dict(self.faults.table),
             changes=[change.model_dump(mode="json", exclude_unset=True) for change in self.interventions.changes],
+            away=sorted(self.away),
+            closed_at=self.closed_at,
             user_code=user_code(),
         )
 
@@ -195,13 +229,17 @@ class Episode:
         waiting_for: Iterable[int] = (),
         dismissed: Iterable[int] = (),
         compare: str = "",
+        record: RecordWish = "",
+        recording: Recording | None = None,
     ) -> State:
         """The State of now; the arguments are what only its process knows."""
         block = self.reference.block(self.k)
         row = self.k - block.first
         centre: FloatArray = block.centre[row, :3]
         poses = self.plant.poses
-        distance, angle = pattern_errors(poses, block.slots[row])
+        slots, away = block.slots[row], self.away
+        distance, angle = pattern_errors(poses, slots, away)
+        tracking = tracking_error_of_some(poses, slots, away) if away else tracking_error(poses, centre[:2])
         return State(
             sender=WORLD,
             seq=seq,
@@ -219,11 +257,11 @@ class Episode:
             overruns=overruns,
             rejected=rejected,
             poses=poses,
-            slots=block.slots[row],
+            slots=slots,
             centre=centre,
             distance_errors=distance,
             angle_errors=angle,
-            tracking_error=float(tracking_error(poses, centre[:2])),
+            tracking_error=float(tracking),
             contacts=self.contacts.count,
             gap=self.contacts.gap,
             live=sorted(self.live),
@@ -231,7 +269,10 @@ class Episode:
             faults=dict(self.faults.table),
             events=list(self.events)[-SHOWN_EVENTS:],
             compare=compare,
+            record=record,
+            recording=recording,
             resumed=self.resumed,
+            away=sorted(away),
             driving=self.driver.shown if self.driver else Driving(),
             interventions=self.interventions.count,
             excursions=self.ledger.newest(SHOWN_EXCURSIONS),

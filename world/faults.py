@@ -41,6 +41,8 @@ class FaultState:
     """Scheduled faults that the table was computed from; None if it must be computed anew."""
     _imposed: Mapping[LinkId, Fault] | None = None
     """In a world that repeats another's faults: their table."""
+    away: frozenset[int] = frozenset()
+    """Robots over which the ring is closed."""
     changes: int = 0
     """Number of tables in this episode so far."""
     _history: deque[tuple[float, Mapping[LinkId, Fault]]] = field(default_factory=lambda: deque(maxlen=KEPT_CHANGES))
@@ -68,11 +70,16 @@ class FaultState:
         return self.scenario.controller.uses_downstream
 
     def _named(self, link: str) -> list[LinkId]:
-        return links_named(link, self.scenario.size, both=self._both, driven=self.scenario.driven)
+        scenario = self.scenario
+        return links_named(link, scenario.size, both=self._both, driven=scenario.driven, away=self.away)
+
+    def close_over(self, away: frozenset[int]) -> None:
+        """From the next update on the ring is closed over these robots."""
+        self.away, self._active = away, None
 
     def _made_of(self, active: tuple[int, ...]) -> dict[LinkId, Fault]:
         size, both = self.scenario.size, self._both
-        table = dict.fromkeys(plan_links(size, both=both), self.scenario.link)
+        table = dict.fromkeys(plan_links(size, both=both, away=self.away), self.scenario.link)
         for index in active:
             entry = self.scenario.faults[index]
             for link in self._named(entry.link):
@@ -115,7 +122,7 @@ class FaultState:
             FaultError: no such link.
         """
         scenario = self.scenario
-        every = every_link(scenario.size, both=self._both, driven=scenario.driven)
+        every = every_link(scenario.size, both=self._both, driven=scenario.driven, away=self.away)
         links = every if link.strip() == "all" else self._named(link)
         self._wishes = [wish for wish in self._wishes if wish.link not in links]
         running = [index for index, entry in enumerate(self.scenario.faults) if _on(entry, now)]

@@ -1,6 +1,7 @@
 """What is done to the robots: disturbances of the scenario and of users, and shapes that users ordered."""
 
 from collections import deque
+from collections.abc import Iterable
 from itertools import islice
 from typing import Any
 
@@ -67,6 +68,10 @@ class Interventions:
         """A shape was ordered at tick k."""
         self.changes.append(change)
         self._note(k, "shape", change.model_dump(mode="json", exclude_unset=True))
+
+    def ring(self, k: int, away: Iterable[int]) -> None:
+        """At tick k the ring was closed over these robots."""
+        self._note(k, "ring", {"away": sorted(away)})
 
     def _set(self, disturbances: tuple[Disturbance, ...]) -> None:
         if isinstance(self._bodies, Disturbed) and disturbances != self._all:

@@ -12,6 +12,7 @@ from formation.errors import WireError
 from network import topics
 from network.bus import Action, Connection, Incoming, Presence, Publish, Query, Reject, Sample
 from network.messages import Command, Status, Tick
+from network.stretch import Recording
 from world.display import STATE_INTERVAL
 from world.parts import Parts
 from world.rate import RunningTime
@@ -234,6 +235,7 @@ class WorldNode:
                 self._presence.launcher = here
             case Presence("recorder", _, here):
                 self._journal.wanted = here
+                self._control.recording = self._control.recording if here else None
             case Connection(up):
                 self._presence.connection(self._running, up=up)
             case _:
@@ -244,6 +246,8 @@ class WorldNode:
         match message_of(world, key, payload):
             case Status() as status:
                 world.hear(status)
+            case Recording() as recording:
+                self._control.recording = recording
             case Command() as command if world.mode == "realtime":
                 self._commands[command.sender] = command
             case Command() as command:

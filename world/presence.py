@@ -106,10 +106,15 @@ class AgentPresence:
     def _check(self, robot: int) -> None:
         if robot not in self._world.robots:
             raise EchelonError(f"expected a robot of the scenario, 1 to {self._world.scenario.size}; got {robot}")
+        self.check_launcher(
+            "agents", f"With compose: docker compose kill agent-{robot}, and docker compose start agent-{robot}"
+        )
+
+    def check_launcher(self, what: str, advice: str) -> None:
+        """Refuse what a launcher does if there is none. Raises EchelonError."""
         if not self.launcher:
             raise EchelonError(
-                "nobody here can end or start agents: this run was not started by `echelon up`. "
-                f"With compose: docker compose kill agent-{robot}, and docker compose start agent-{robot}"
+                f"nobody here can end or start {what}: this run was not started by `echelon up`. {advice}"
             )
 
     @property

@@ -22,6 +22,7 @@ def join(bus: Bus, mode: Mode) -> None:
     bus.announce(topics.stretch(bus.run), reliable=topics.STRETCH.is_reliable(mode))
     bus.subscribe(topics.command(bus.run, "*"))
     bus.subscribe(topics.status(bus.run, "*"))
+    bus.subscribe(topics.recording(bus.run))
     bus.serve(topics.control(bus.run))
     bus.serve(topics.question(bus.run))
     bus.watch()

@@ -12,8 +12,9 @@ from formation.scenario.registry import check_live, check_name
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
-from network.interventions import Move, Push, Release, Reshape
-from network.values import RunStatus
+from network.interventions import Join, Leave, Move, Push, Release, Reshape
+from network.stretch import Recording
+from network.values import RecordWish, RunStatus
 from world.driver import Driver
 from world.presence import AgentPresence
 from world.rate import Rate
@@ -30,6 +31,8 @@ BETWEEN_TICKS = (
     Move,
     Release,
     Reshape,
+    Leave,
+    Join,
 )
 """Operations that wait for the end of a tick: what they change must be the same for everybody who answers it."""
 READS = (control.GetOrders, control.GetTrace, control.GetSummary)
@@ -47,6 +50,9 @@ class RunControl:
         """Whether a user has asked the run to end."""
         self.compare = ""
         """Controller of the requested ghost; empty for none."""
+        self.record: RecordWish = ""
+        self.recording: Recording | None = None
+        """How the record stands; None while there is no recorder."""
         self.changes = 0
         """Operations that may have changed something, so far."""
         self.rejected = 0
@@ -108,14 +114,8 @@ class RunControl:
                 self._use(_scenario(operation))
             case control.UseController(controller=name):
                 self._use(with_controller(world.given, name))
-            case control.Kill(robot=robot):
-                self._presence.dismiss(robot, for_good=True)
-                world.event("run", f"agent {robot} is killed and kept down", "warning")
-            case control.Restart(robot=robot):
-                kept = self._presence.readmit(robot)
-                if not kept:
-                    self._presence.dismiss(robot, for_good=False)
-                world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
+            case control.Kill() | control.Restart() | control.Record():
+                self._have_launcher(operation)
             case control.Compare(controller=name):
                 check_name(name, "off")
                 if name not in ("off", world.scenario.controller.name):
@@ -125,7 +125,7 @@ class RunControl:
                 return self._drive(lambda driver: driver.order(world.k, v, omega, seconds))
             case control.GoTo(x=x, y=y):
                 return self._drive(lambda driver: driver.go_to(world.k, x, y))
-            case Push() | Move() | Release() | Reshape():
+            case Push() | Move() | Release() | Reshape() | Leave() | Join():
                 world.intervene(operation)
             case control.GetOrders(tables=tables, drives=drives, interventions=interventions):
                 return self._orders_since(tables, drives, interventions)
@@ -138,6 +138,22 @@ class RunControl:
                 figures = {"wall_s": rate.wall, "overruns": rate.overruns, "rejected": self.rejected}
                 return {**world.summary(warmup=warmup), **figures}
         return {}
+
+    def _have_launcher(self, operation: control.Kill | control.Restart | control.Record) -> None:
+        """What a launcher does, by the next State. Raises EchelonError: there is none, or no such robot."""
+        world = self._world
+        match operation:
+            case control.Kill(robot=robot):
+                self._presence.dismiss(robot, for_good=True)
+                world.event("run", f"agent {robot} is killed and kept down", "warning")
+            case control.Restart(robot=robot):
+                kept = self._presence.readmit(robot)
+                if not kept:
+                    self._presence.dismiss(robot, for_good=False)
+                world.event("run", f"agent {robot} is {'started' if kept else 'killed and started'} again")
+            case control.Record(on=on):
+                self._presence.check_launcher("a recorder", "Give `--record` to `echelon compose`.")
+                self.record = "on" if on else "off"
 
     def _drive(self, order: Callable[[Driver], list[str]]) -> dict[str, Any]:
         """Give the driver an order; the reply's value is what it does from which tick on."""

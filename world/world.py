@@ -17,7 +17,7 @@ from formation.link_ids import LinkId
 from formation.scenario.reshaping import change_of, reshaped
 from formation.scenario.scenario import Scenario
 from network.control import Operation
-from network.interventions import Move, Push, Release, Reshape
+from network.interventions import Join, Leave, Move, Push, Release, Reshape
 from network.messages import WORLD, Command, Tick
 from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
 from world.episode import Episode
@@ -70,6 +70,8 @@ class World(Episode):
         self._look()
         self._tick = None
         self._drive()
+        self.members.look(self.k, self.live)
+        self._close_ring()
         self._apply_faults()
         self._note_pushes()
         self._keep_ledger(commands)
@@ -87,6 +89,7 @@ class World(Episode):
         overrides = self.faults
         self._next_episode()
         overrides.restart()
+        overrides.close_over(self.away)
         overrides.update(0.0)
         self.faults = overrides
         self._commands.set_faults(self.faults.table)
@@ -137,6 +140,12 @@ class World(Episode):
                 self.push(pushed(robot, kind, self.now, seconds))
             case Move(robot=robot, dx=dx, dy=dy):
                 self.push(displacement(robot, dx, dy, self.now, self.scenario.control_interval))
+            case Leave(robot=robot):
+                self.members.leave(robot)
+                self._close_ring()
+            case Join(robot=robot):
+                self.members.join(robot)
+                self._close_ring()
             case Release(robot=robot):
                 self.release(robot)
             case Reshape(shape=shape, spacing=spacing, over=over):
@@ -192,3 +201,6 @@ class World(Episode):
                 self.release(intervention.value["robot"])
             case "shape":
                 self.reshape(Change.model_validate(intervention.value))
+            case "ring":
+                self.members.impose(intervention.value["away"])
+                self._close_ring()

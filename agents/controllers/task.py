@@ -1,6 +1,7 @@
 """The task of one robot and its upstream neighbour: references by tick, and the pattern between them."""
 
 import math
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from agents.kernels.unicycle import sample
 from agents.kernels.window.filter import Table
 from formation.arrays import FloatArray
-from formation.pattern import downstream, rotate, upstream
+from formation.pattern import neighbours, rotate
 from formation.reference import Block
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
@@ -33,14 +34,14 @@ class HorizonReference(NamedTuple):
 class Task:
     """The task of one robot and its upstream neighbour: references by tick, and the pattern between them."""
 
-    def __init__(self, scenario: Scenario, robot: int) -> None:
+    def __init__(self, scenario: Scenario, robot: int, away: Collection[int] = ()) -> None:
         controller = scenario.controller
         self.robot, self.robots = robot, scenario.size
         """Its number, from 1, and how many there are."""
-        other = upstream(robot, scenario.size)
-        self.further = upstream(other, scenario.size)
-        """The upstream neighbour of the upstream neighbour."""
-        self._columns = columns = [robot, other, self.further, downstream(robot, scenario.size)]
+        self.members = scenario.size - len(away)
+        """How many of them are in the ring."""
+        other, self.further, after = neighbours(robot, scenario.size, away)
+        self._columns = columns = [robot, other, self.further, after]
         self._rounded = rounded = spec_of(controller).rounds_corners
         knows = scenario.path.known_to == "all" or (robot == 1 and not scenario.driven)
         self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)

@@ -134,7 +134,8 @@ def sample(
         part = max(at - k, 0.0)
         for i in range(slots.shape[1]):
             if part < 1e-9:
-                out_slots[j, i] = slots[k, i]
+                for c in range(3):  # a slice each would take longer than all the rest
+                    out_slots[j, i, c] = slots[k, i, c]
             else:
                 for c in range(2):
                     out_slots[j, i, c] = (1.0 - part) * slots[k, i, c] + part * slots[k + 1, i, c]

@@ -127,8 +127,10 @@ def _carried(w: Wait, pose: FloatArray, forward: float, h: float) -> float:
         dx, dy = pose[0] - then[0], pose[1] - then[1]
         found = max(-forward * (c * dx + s * dy), abs(c * dy - s * dx))
     for a in range(PAST - 1, 0, -1):
-        w.past[a] = w.past[a - 1]
-    w.past[0] = pose
+        for c in range(3):
+            w.past[a, c] = w.past[a - 1, c]
+    for c in range(3):
+        w.past[0, c] = pose[c]
     return found
 
 
@@ -240,9 +242,12 @@ def decide(  # noqa: PLR0915  one law, in the order of its equations
 @kernel
 def remember(w: Wait, pose: FloatArray, velocities: FloatArray, drift: FloatArray) -> None:
     """What the robot is going to do: pose (3,) at the stamp, velocities (N, 2), drift (2,)."""
-    w.pose[:] = pose
-    w.velocities[:] = velocities
-    w.drift[:] = drift
+    for c in range(3):
+        w.pose[c] = pose[c]
+    for c in range(2):
+        w.drift[c] = drift[c]
+        for j in range(len(velocities)):
+            w.velocities[j, c] = velocities[j, c]
     w.whole[PLANNED] = 1
 
 

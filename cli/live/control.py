@@ -23,6 +23,8 @@ _ACTIONS = {
     "controller": "start again with another controller",
     "kill": "kill a robot's agent, and keep it down",
     "restart": "start a robot's agent again",
+    "leave": "take a robot out of the ring, which closes over it; it stands",
+    "join": "take it into the ring again",
     "compare": "run a ghost beside it: another controller with the same faults; off: end it",
     "drive": "order a driven formation a speed V [m/s] and a turn rate OMEGA [rad/s]",
     "goto": "drive a driven formation's centre to X Y [m], and stop there",
@@ -30,6 +32,7 @@ _ACTIONS = {
     "move": "take a robot and carry it aside by DX DY [m], within half a second",
     "release": "end what disturbs a robot, or all",
     "shape": "change the shape of the formation, its spacing, or both",
+    "record": "record the run in a new file, or close it",
     "stop": "end the run and its processes",
 }
 _PAIRS = {"drive": ("V", "OMEGA"), "goto": ("X", "Y")}
@@ -47,10 +50,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action = actions.add_parser(name, help=text)
         if name == "step":
             action.add_argument("value", nargs="?", default="1", metavar="TICKS")
-        elif name in ("kill", "restart"):
+        elif name in ("kill", "restart", "leave", "join"):
             action.add_argument("value", metavar="ROBOT", help="its number, from 1")
         elif name in ("speed", "scenario", "controller", "compare"):
             action.add_argument("value", metavar="CONTROLLER|off" if name == "compare" else name.upper())
+        elif name == "record":
+            action.add_argument("value", choices=["on", "off"])
         elif name in _PAIRS:
             action.add_argument("value", nargs=2, metavar=_PAIRS[name])
         elif name == "push":
@@ -123,8 +128,10 @@ def _operation(action: str, value: str) -> Operation:
             return _scenario(value)
         case "controller":
             return control.UseController(controller=value)
-        case "kill" | "restart":
+        case "kill" | "restart" | "leave" | "join":
             return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+        case "record":
+            return control.Record(on=value == "on")
         case "compare":
             return control.operation(Request("compare", {"controller": value}))
         case _:

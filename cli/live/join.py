@@ -20,6 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("code", nargs="?", help="as it was printed there")
     parser.add_argument("--agents", metavar="1-8", help="robots to run agents of (default: all that have none)")
     add_controllers(parser)
+    parser.add_argument("--transport", choices=["tcp", "udp"], default="tcp", help="with --insecure, as the run has it")
     parser.add_argument("--insecure", action="store_true", help=f"for a run that listens so: {INSECURE}")
 
 
@@ -29,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     host, port = host_and_port(options.host)
     wished = None if options.agents is None else parsed(options.agents)
     if options.insecure:
-        admission, endpoint = None, f"tcp/{address(host, port)}"
+        admission, endpoint = None, f"{options.transport}/{address(host, port)}"
         name, robots = found_at(endpoint, wished)
     elif options.code is None:
         raise EchelonError(

@@ -1,6 +1,7 @@
 """`echelon status`: the state of a live run."""
 
 import argparse
+import contextlib
 import dataclasses
 import json
 
@@ -10,10 +11,16 @@ from rich.table import Table
 
 from cli.live.talk import newest_state
 from cli.options import add_run, session
-from network.messages import State
+from formation.errors import WireError
+from network import topics
+from network.bus import Bus, Sample
+from network.codec import decode
+from network.messages import State, Status
 from runtime.run_registry import live as live_runs
 
-MILLI = 1e3
+MILLI, MICRO = 1e3, 1e6
+STATUS_SECONDS = 0.5
+"""Longest wait for the statuses of agents; they come ten times a second [s]."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,22 +32,66 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print the world's newest state."""
     with session(options) as live:
+        live.subscribe(topics.status(live.run, "*"))
         state = newest_state(live)
+        links = _links(live, state)
         name = live.run
     page = next((run.page for run in live_runs() if run.name == name), "")
     if options.json:
-        print(json.dumps({"run": name, "page": page, **_plain(state)}))
+        found = {"run": name, "page": page, **_plain(state), "links": [_row(status) for status in links]}
+        print(json.dumps(found, default=dataclasses.asdict))
     else:
         _print(name, page, state)
+        _print_links(links)
+
+
+def _links(live: Bus, state: State) -> list[Status]:
+    """The newest status of every live agent, by robot; of those that say something within half a second."""
+    found: dict[int, Status] = {}
+    for item in live.incoming(STATUS_SECONDS):
+        if isinstance(item, Sample) and topics.topic_of(item.key) is topics.STATUS:
+            with contextlib.suppress(WireError):  # not a valid message
+                status = decode(Status, item.payload)
+                found[status.sender] = status
+        if set(state.live) <= found.keys():
+            break
+    return [found[robot] for robot in sorted(found)]
+
+
+def _row(status: Status) -> dict[str, object]:
+    counts = status.counts
+    return {
+        "link": str(status.link),
+        "age_s": status.age,
+        "sent": counts.sent,
+        "lost": counts.lost,
+        "late": counts.late,
+        "missed": status.missed,
+        "solve_s": status.solve,
+    }
+
+
+def _print_links(links: list[Status]) -> None:
+    table = Table("link", "age ms", "sent", "lost", "late", "ticks missed", "solve us")
+    for status in links:
+        counts = status.counts
+        share = f" ({counts.lost / counts.sent:.0%})" if counts.lost else ""
+        table.add_row(
+            str(status.link),
+            f"{status.age * MILLI:.0f}",
+            str(counts.sent),
+            f"{counts.lost}{share}",
+            str(counts.late),
+            str(status.missed),
+            f"{status.solve * MICRO:.0f}",
+        )
+    if links:
+        Console().print(table)
 
 
 def _plain(state: State) -> dict[str, object]:
     fields = {field.name: getattr(state, field.name) for field in dataclasses.fields(state)}
-    fields |= {
-        "faults": {str(link): fault.plain() for link, fault in state.faults.items()},
-        "driving": dataclasses.asdict(state.driving),
-        "events": [dataclasses.asdict(event) for event in state.events],
-    }
+    fields["faults"] = {str(link): fault.plain() for link, fault in state.faults.items()}
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in fields.items()}
 
 
@@ -67,6 +118,8 @@ def _print(name: str, page: str, state: State) -> None:
         console.print(f"drives to ({driving.goal[0]:.3f}, {driving.goal[1]:.3f}) m")
     elif driving.orders:
         console.print(f"driven at {driving.v:.3g} m/s, {driving.omega:.3g} rad/s")
+    if state.recording is not None:
+        console.print(f"recorded in {state.recording.file}: {state.recording.bytes / 1e6:.1f} MB", markup=False)
     for link, fault in sorted(state.faults.items()):
         console.print(f"link {link}: {fault.words()}", markup=False)
     for event in state.events[-5:]:

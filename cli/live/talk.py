@@ -35,7 +35,7 @@ def newest_state(session: Bus) -> State:
     """
     session.subscribe(topics.state(session.run))
     for item in session.incoming(ANSWER_SECONDS):
-        if isinstance(item, Sample):
+        if isinstance(item, Sample) and topics.topic_of(item.key) is topics.STATE:
             with contextlib.suppress(WireError):  # not a valid message
                 return decode(State, item.payload)
     raise EchelonError(f"expected the world of run {session.run} to publish its state; it is silent")

@@ -202,6 +202,7 @@
   }
   function draw() {  // after a frame
     const viewer = window.__viserMutable, tree = window.__viserSceneTree.getState(), bodies = drawn(viewer, "/bodies");
+    place(viewer.canvas);  // a window may have changed since
     const area = {width: root.clientWidth, height: root.clientHeight};
     if (!bodies) return;
     const project = projection(viewer, area), first = project("/bodies", 0);

@@ -1,5 +1,6 @@
 """The time line under the scene: what is kept of the run, its marks and errors, and the moment that is looked at."""
 
+from functools import partial
 from time import monotonic
 from typing import Any
 
@@ -13,6 +14,12 @@ from dashboard.theme.limits import DISTANCE_LIMIT
 
 INTERVAL = 0.5
 """Between two updates of what moves by itself [s]."""
+KEYS = {
+    "Time line: the run as it is": ("L", viser.Icon.BROADCAST, ("live",)),
+    "Time line: next event": ("N", viser.Icon.ARROW_BAR_TO_RIGHT, ("mark", "next")),
+    "Time line: event before": ("B", viser.Icon.ARROW_BAR_TO_LEFT, ("mark", "back")),
+}
+"""Commands: their keys, icons, and what the playhead is told."""
 MOST_MARKS = 60
 """On the line, the newest."""
 
@@ -28,6 +35,12 @@ class TimeLine:
         self._rewound: Any = gui.add_html("")
         self._drawn_at = 0.0
         self._key: object = None
+        for name, (key, icon, words) in KEYS.items():
+            command = gui.add_command(name, hotkey=key, icon=icon)  # type: ignore[arg-type]
+            command.on_trigger(partial(self._tell, words))
+
+    def _tell(self, words: tuple[str, ...], _: object) -> None:
+        self._feed.playhead.tell(words)
 
     def draw(self, live: View, view: View) -> None:
         """Show the present, and the moment that is looked at."""

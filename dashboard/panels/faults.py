@@ -25,6 +25,7 @@ class FaultPanel:
     """Controls of the faults, in the current folder of the page."""
 
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
+        """Add the folder; of a record its controls are off."""
         self._requests = requests
         self._robots, self._driven = 0, False
         self._sliders: dict[str, MirroredControl] = {}
@@ -43,6 +44,10 @@ class FaultPanel:
         self._target.on_update(lambda _: self._release())
         self._cut.control.on_update(lambda event: self._set(event, "cut", bool(event.target.value)))
         self._preset.on_update(self._use_preset)
+        if not requests.possible:
+            sliders = (slider.control for slider in self._sliders.values())
+            for control in (self._preset, self._cut.control, self._timed, self._clear, *sliders):
+                control.disabled = True
         self._clear.on_click(lambda event: self._requests.clear(self.target, event.client_id))
 
     def _add_sliders(self, gui: viser.GuiApi, *, often: bool) -> None:

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
 from dashboard.telemetry.playhead import Playhead
-from dashboard.telemetry.tape import Place
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
 from network.messages import State
@@ -56,7 +55,7 @@ class LedgerTab:
             return
         self._chosen = state.episode, found.number
         begins = found.at if found.cause_at is None else max(found.cause_at, found.at - 5.0)
-        self._playhead.go(Place(state.episode, max(0.0, begins - BEFORE)))
+        self._playhead.go_in_run(state.episode, max(0.0, begins - BEFORE))
 
     @staticmethod
     def verbs(state: State | None) -> dict[str, int]:

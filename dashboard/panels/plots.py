@@ -91,6 +91,14 @@ SECOND = (
     Plot("Solve time", "ms per plan", (Curve("solve_max", "max", BLUE), Curve("solve_mean", "mean", MEAN)), floor=0.1),
 )
 
+BELIEF = Plot(
+    "Belief to truth",
+    "mm",
+    (Curve("off_max", "max", SKY), Curve("off_mean", "mean", MEAN)),
+    floor=1.0,
+    limit=1e3 * DISTANCE_LIMIT,
+)
+
 _AXIS = up.Axis(
     size=24,
     font="11px sans-serif",

@@ -36,7 +36,7 @@ class PushPanel:
         self._drags: dict[int, Any] = {}
         """By page, the line from the robot to the pointer."""
         buttons = [[kind.capitalize() for kind in row] for row in ROWS]
-        with gui.add_folder("Push"):
+        with gui.add_folder("Push", visible=requests.possible):
             self._robot: Any = gui.add_dropdown("Robot", ("Robot 1",))
             self._acting = gui.add_html("")
             self._timed = gui.add_checkbox(

@@ -7,11 +7,10 @@ import viser
 
 from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
-from dashboard.panels.run_summary import run_summary
+from dashboard.panels.run_summary import RECORD, REWOUND, run_summary
 from dashboard.requests import RequestQueue
 from dashboard.scenario_list import ScenarioList
-from dashboard.telemetry.feed import View
-from dashboard.telemetry.history import History
+from dashboard.telemetry.feed import Feed, View
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
 from formation.errors import ScenarioError
@@ -39,8 +38,8 @@ COMPARE_HINT = "Simulates this controller beside the run, as a ghost with the ve
 class RunPanel:
     """Controls of the run, in the current container of the page."""
 
-    def __init__(self, gui: viser.GuiApi, requests: RequestQueue, scenarios: ScenarioList) -> None:
-        self._requests, self._scenarios = requests, scenarios
+    def __init__(self, gui: viser.GuiApi, requests: RequestQueue, scenarios: ScenarioList, feed: Feed) -> None:
+        self._requests, self._scenarios, self._feed = requests, scenarios, feed
         self._refreshed = monotonic()
         self._status = ""
         self._summary = gui.add_html("")
@@ -61,6 +60,10 @@ class RunPanel:
         self._compare.control.on_update(lambda event: self._choose(event, _compare))
         self._speed.control.on_update(lambda event: self._choose(event, lambda name: Speed(speed=_speed(name))))
         self._add_commands(gui)
+        if not feed.source.live:
+            self._actions.visible = False
+            for control in (self._scenario, self._controller, self._compare):
+                control.control.disabled = True
 
     def _add_commands(self, gui: viser.GuiApi) -> None:
         """Keyboard shortcuts; the command palette (Ctrl-K) lists them too."""
@@ -76,6 +79,9 @@ class RunPanel:
     # ------------------------------------------------------------------ from the user to the world
 
     def _switch(self, page: int | None) -> None:
+        if not self._feed.source.live:
+            self._feed.playhead.tell(["play"])
+            return
         self._requests.ask(Pause() if self._status == "running" else Start(), page)
 
     def _act(self, name: str, page: int | None) -> None:
@@ -87,6 +93,9 @@ class RunPanel:
         # A page may send anything; a scenario by its path must not be read for it.
         if event.client_id is None or event.target.value not in event.target.options:
             return
+        if not self._feed.source.live and event.target is self._speed.control:
+            self._feed.playhead.tell(["speed", str(_speed(event.target.value))])
+            return
         try:
             asked = operation(event.target.value)
         except ScenarioError as error:
@@ -96,15 +105,16 @@ class RunPanel:
 
     # ------------------------------------------------------------------ from the world to the panel
 
-    def draw(self, live: View, view: View, history: History) -> None:
+    def draw(self, live: View, view: View) -> None:
         """Show the state of the run: numbers of the moment that is looked at, controls as they are now."""
-        summary = run_summary(view.snapshot, view.links, rewound=view.place is not None)
-        set_if_changed(self._summary, "content", summary)
+        record, playhead = not self._feed.source.live, self._feed.playhead
+        shown = RECORD if record else REWOUND if view.place is not None else None
+        set_if_changed(self._summary, "content", run_summary(view.snapshot, view.links, shown))
         snapshot, state = live.snapshot, live.snapshot.state
         if state is None:
             return
         self._status = state.status if snapshot.world_alive else ""
-        label, icon = _LABELS[state.status]
+        label, icon = _PLAYS[playhead.playing] if record else _LABELS[state.status]
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = icon
@@ -112,8 +122,9 @@ class RunPanel:
         self._offer_controllers(snapshot, state)
         _show(self._controller, state.controller)
         _show(self._compare, state.compare or NO_GHOST)
-        set_if_changed(self._comparison, "content", comparison(state, history))
-        _show(self._speed, _speed_name(state))
+        compared = comparison(state, self._feed.history, *self._feed.compared(view)) if state.compare else ""
+        set_if_changed(self._comparison, "content", compared)
+        _show(self._speed, _speed_name(playhead.speed if record else state.speed))
 
     def _offer_controllers(self, snapshot: Snapshot, state: State) -> None:
         """Offer the controllers that can run this scenario, and say why others are left out."""
@@ -143,6 +154,10 @@ _LABELS = {
 }
 
 
+_PLAYS = {True: ("Stop", viser.Icon.PLAYER_PAUSE), False: ("Play", viser.Icon.PLAYER_PLAY)}
+"""Of a record, while it plays and while it does not."""
+
+
 def _compare(name: str) -> Operation:
     return Compare.model_validate({"controller": "off" if name == NO_GHOST else name})
 
@@ -151,9 +166,9 @@ def _speed(name: str) -> float:
     return SPEEDS[name] if name in SPEEDS else float(name.split(maxsplit=1)[0])
 
 
-def _speed_name(state: State) -> str:
-    names = [name for name, speed in SPEEDS.items() if abs(speed - state.speed) < 1e-9]
-    return names[0] if names else f"{state.speed:g} x"
+def _speed_name(speed: float) -> str:
+    names = [name for name, known in SPEEDS.items() if abs(known - speed) < 1e-9]
+    return names[0] if names else f"{speed:g} x"
 
 
 def _offer_only(dropdown: MirroredControl, values: tuple[str, ...], now: str) -> None:

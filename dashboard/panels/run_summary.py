@@ -33,14 +33,21 @@ class Tile(NamedTuple):
 
 
 REWOUND = Condition("REWOUND", "warn", "Buttons and sliders show the run as it is, and act now.")
+RECORD = Condition("RECORD", "muted", "What was done cannot be changed: controls that would change it are off.")
 
 
-def run_summary(snapshot: Snapshot, links: list[LinkView], *, rewound: bool = False) -> str:
-    """HTML of the run's condition, its time, the three numbers and a chip per robot; of now, or of a moment before."""
+def run_summary(snapshot: Snapshot, links: list[LinkView], shown: Condition | None = None) -> str:
+    """HTML of the run's condition, its time, the three numbers and a chip per robot.
+
+    Args:
+        snapshot: of the run, or of a moment of its past.
+        links: of the ring, then.
+        shown: in place of the run's condition.
+    """
     state = snapshot.state
     return render(
         "panels/run_summary.html",
-        condition=REWOUND if rewound else condition(snapshot),
+        condition=shown or condition(snapshot),
         state=state,
         world_alive=snapshot.world_alive,
         gap="" if state is None else " ".join(length(state.gap)),
@@ -80,6 +87,8 @@ def lag(status: Status | None, state: State) -> float:
 
 def robot_label(state: State, robot: int) -> str:
     """How a robot is, in a word."""
+    if robot in state.away and robot in state.live:
+        return "AWAY"
     if robot not in state.live:
         return "KILLED" if robot in state.dismissed else "LOST"
     return "HELD" if robot in state.stopped else "OK"

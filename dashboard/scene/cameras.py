@@ -64,6 +64,8 @@ class _PageCamera:
     """When to fit again: the page sends its size late [s]."""
     ours: deque[tuple[FloatArray, FloatArray]] = field(default_factory=lambda: deque(maxlen=40))
     """Points looked at and offsets last sent to the page: one that differs comes from the user [m]."""
+    first: list[tuple[FloatArray, FloatArray]] = field(default_factory=list)
+    """The same of the poses that the page may have before it has heard of any; a slow page sends one late."""
 
 
 class Cameras:
@@ -228,7 +230,7 @@ class Cameras:
             page = self._pages[client.client_id] = _PageCamera(client)
             home = self._server.initial_camera
             for camera in (client.camera, home):
-                page.ours.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
+                page.first.append((np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)))
             if self._scenario is not None:
                 self._follow(page, 0)
 
@@ -260,10 +262,11 @@ def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:
 def _note_user(page: _PageCamera, look_at: FloatArray, offset: FloatArray) -> None:
     """Take over a pose from a page. If the user moved the camera, cancel late fits, and follow with the new offset."""
     near = 0.01 * float(np.linalg.norm(page.offset))
+    ours = [*page.first, *page.ours]
     if page.target is None:
-        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in page.ours):
+        if not any(np.linalg.norm(look_at - at) + np.linalg.norm(offset - to) < 2.0 * near for at, to in ours):
             page.fit_at = []
-    elif all(np.linalg.norm(offset - to) > near for _, to in page.ours) and monotonic() - page.set_at < 10.0:
+    elif all(np.linalg.norm(offset - to) > near for _, to in ours) and monotonic() - page.set_at < 10.0:
         page.offset, page.height = offset, None
         page.rest_until = monotonic() + HOLD_SECONDS
 

@@ -11,6 +11,7 @@ from formation.arrays import FloatArray
 from formation.pattern import upstream
 from formation.unicycle import roll_out, step
 from network.messages import State, Status
+from network.values import Believed
 
 
 class BeliefView(NamedTuple):
@@ -33,14 +34,14 @@ class BeliefView(NamedTuple):
 
 
 class Beliefs:
-    """The beliefs in the newest statuses: each is compared with the truth once, when its status comes in.
+    """The newest beliefs: each is compared with the truth once, when it comes in.
 
     Statuses come ten times a second; carried on in between by inputs that are not the sender's, a belief would seem
     worse than it is. The page shows it beside the sender, as far off as it was.
     """
 
     def __init__(self) -> None:
-        self._known: dict[int, tuple[Status, BeliefView | None]] = {}
+        self._known: dict[int, tuple[Believed | None, BeliefView | None]] = {}
 
     def update(self, snapshot: Snapshot) -> list[BeliefView]:
         """The beliefs of all robots, in the order of the receivers."""
@@ -48,10 +49,12 @@ class Beliefs:
         if state is None or scenario is None:
             return []
         known = self._known
-        new = {i: one for i, one in snapshot.statuses.items() if i not in known or known[i][0] is not one}
+        new = {i: one for i, one in snapshot.statuses.items() if i not in known or known[i][0] is not one.believes}
         interval = scenario.controller.prediction_interval
         found = {view.receiver: view for view in beliefs(state, new, snapshot.poses, snapshot.stamp, interval)}
-        self._known = {i: (one, found.get(i)) if i in new else known[i] for i, one in sorted(snapshot.statuses.items())}
+        self._known = {
+            i: (one.believes, found.get(i)) if i in new else known[i] for i, one in sorted(snapshot.statuses.items())
+        }
         return [view for _, view in self._known.values() if view is not None and view.sender <= len(snapshot.poses)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.ghost_track import COLUMNS as GHOST_COLUMNS
+from dashboard.telemetry.links import age_now
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, wrapped
@@ -101,9 +102,8 @@ class Block:
         for robot, status in statuses.items():
             if 1 <= robot <= len(table) and status.episode == state.episode:
                 i, plan, found = robot - 1, status.plan, status.counts
-                silence = max(0.0, state.stamp - status.stamp)
                 lag = plan.lag if plan is not None else 0.0
-                table[i, _AGE:_OFF] = status.age + silence, status.way_age, status.solve, status.gap, lag
+                table[i, _AGE:_OFF] = age_now(state, status), status.way_age, status.solve, status.gap, lag
                 if status.lost and plan is not None and len(plan.way):
                     table[i, _END_X:] = plan.way[-1, 2:4]
                 flags[i] = _KNOWN | _LOST * status.lost | _CONVERGED * status.converged
@@ -245,6 +245,7 @@ class Block:
         table, known = self._robots[rows].astype(float), self._flags[rows] & _KNOWN
         distance = 1e3 * np.abs(table[..., _DISTANCE])
         age, solve = (1e3 * np.where(known, table[..., column], 0.0) for column in (_AGE, _SOLVE))
+        off = 1e3 * np.nan_to_num(np.hypot(table[..., _OFF], table[..., _OFF + 1]))
         some = np.maximum(1, (known > 0).sum(axis=1))
         ghost = [np.full(len(table), np.nan)] * 3
         if np.isfinite(table[..., _GHOST]).any():
@@ -265,13 +266,22 @@ class Block:
             "age_mean": age.sum(axis=1) / some,
             "solve_max": solve.max(axis=1),
             "solve_mean": solve.sum(axis=1) / some,
-            "off_max": 1e3 * np.nan_to_num(np.hypot(table[..., _OFF], table[..., _OFF + 1])).max(axis=1),
+            "off_max": off.max(axis=1),
+            "off_mean": off.mean(axis=1),
             **dict(zip(GHOST_COLUMNS, ghost, strict=True)),
         }
 
     def offsets(self, row: int) -> FloatArray:
         """(n, 2) of each receiver, from where the robot upstream was to where it believed it to be [m]."""
         return self._robots[row, :, _OFF : _OFF + 2].astype(float)
+
+    def counts_since(self, row: int, other: "Block", before: int) -> dict[int, LinkCounts]:
+        """By receiver, what became of the plans to it since an earlier row, and how many are in flight at this one."""
+        now, then = self._counts[row].astype(int), other._counts[before].astype(int)
+        passed = np.maximum(now - then, 0)
+        passed[:, _COUNTS.index("in_flight")] = now[:, _COUNTS.index("in_flight")]
+        known = np.flatnonzero(self._flags[row] & _KNOWN).tolist()
+        return {i + 1: LinkCounts(*passed[i, : len(_COUNTS)].tolist()) for i in known}
 
     def ages(self, begins: float, ends: float) -> FloatArray:
         """(rows, n) ages of the plans over the links to each robot between two stamps; NaN if unknown [s]."""

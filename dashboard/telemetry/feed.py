@@ -1,5 +1,6 @@
 """What the page shows: of the run as it is now, or of the moment on the tape that users look at."""
 
+import math
 from collections.abc import Callable
 from time import monotonic
 from typing import NamedTuple, Protocol
@@ -8,6 +9,7 @@ import numpy as np
 
 from dashboard.telemetry.beliefs import Beliefs, BeliefView
 from dashboard.telemetry.export_buffer import ExportBuffer
+from dashboard.telemetry.ghost_track import COMPARED_SECONDS
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import LinkView, ring_links
 from dashboard.telemetry.moment import Moment
@@ -23,6 +25,8 @@ BELIEF_INTERVAL = 0.09
 """Between two looks at what robots believe [s]."""
 WINDOW = POINTS * INTERVAL
 """Of the plots [s]."""
+RECORD_BYTES = 1 << 30
+"""Of a record that is shown, at most."""
 AFTER = WINDOW / 3.0
 """Of the plots' window, after the moment that is looked at [s]."""
 
@@ -44,6 +48,9 @@ class Source(Protocol):
 
     def update_scenario(self) -> None:
         """Request the scenario, if it has changed."""
+
+    def fill(self, tape: Tape, export_buffer: ExportBuffer) -> bool:
+        """Without a run: add to the tape for a moment; returns whether there is more to add."""
 
 
 class Ghosts(Protocol):
@@ -85,16 +92,11 @@ class _GhostThen:
 class Feed:
     """Keeps what comes in, and gives the views that the page draws."""
 
-    def __init__(self, source: Source, tape: Tape | None = None) -> None:
-        """Without anything received.
-
-        Args:
-            source: of states and statuses.
-            tape: that is shown; the feed's own, filled with what comes in, if absent.
-        """
+    def __init__(self, source: Source) -> None:
+        """Without anything received yet."""
         self.source = source
         self.history, self.export_buffer = History(), ExportBuffer()
-        self.tape = tape if tape is not None else Tape()
+        self.tape = Tape() if source.live else Tape(seconds=math.inf, most_bytes=RECORD_BYTES)
         self.playhead = Playhead(self.tape, live=source.live)
         self._localiser = Localiser()
         self._kept: tuple[State, bool] | None = None
@@ -102,9 +104,14 @@ class Feed:
         self._believed, self._beliefs = Beliefs(), list[BeliefView]()
         self._believed_at = 0.0
         self._then: tuple[Place, View] | None = None
+        self._whole: tuple[tuple[int, float], dict[str, FloatArray]] | None = None
+        self.loading = not source.live
+        """Whether more of a record is being read."""
 
     def now(self) -> View:
-        """The run as it is, after adding it to what plots, export and tape are made from."""
+        """The run as it is, after adding it to plots, export and tape; of a record, the moment that is looked at."""
+        if not self.source.live:
+            return self._of_a_record()
         snapshot = self._localiser.local(self.source.snapshot())
         state, scenario = snapshot.state, snapshot.scenario
         if state is not None and scenario is not None:
@@ -115,14 +122,24 @@ class Feed:
             self._kept = state, scenario is not None
             self._links = ring_links(state, snapshot.statuses)
             if scenario is not None:
-                self.history.add(state, self._links, snapshot.statuses)
+                self.history.add(state, self._links, snapshot.statuses, self._beliefs)
                 self.export_buffer.add(state, self._links, snapshot.statuses, snapshot.origin)
                 ghost = self.history.ghost.poses(state.stamp) if state.compare else None
                 self.tape.add(state, scenario, snapshot.statuses, self._beliefs, ghost, snapshot.origin)
         return View(snapshot, self._links, self._beliefs, self.history.trails, self.history.ghost, None)
 
+    def _of_a_record(self) -> View:
+        """The moment that is looked at, after reading on for a while."""
+        if self.loading:
+            self.loading = self.source.fill(self.tape, self.export_buffer)
+        nothing = View(self.source.snapshot(), [], [], self.history.trails, self.history.ghost, None)
+        return self._chosen(nothing)
+
     def shown(self, live: View) -> View:
         """What is looked at: the run as it is, unless a user chose a moment of the past."""
+        return self._chosen(live) if self.source.live else live
+
+    def _chosen(self, live: View) -> View:
         place = self.playhead.place(monotonic())
         if place is None:
             self._then = None
@@ -160,3 +177,14 @@ class Feed:
             return self.history.series()
         ends = min(max(view.place.stamp + AFTER, episode.begins + WINDOW), episode.ends)
         return self.tape.series(view.place.episode, ends - WINDOW, ends)
+
+    def compared(self, view: View) -> tuple[dict[str, FloatArray], float]:
+        """Columns in which a run is compared with its ghost, and over how long [s]: a record as a whole."""
+        if self.source.live or view.place is None:
+            return self.series(view), COMPARED_SECONDS
+        episode = self.tape.episode(view.place.episode)
+        assert episode is not None
+        key = (episode.number, episode.ends)
+        if self._whole is None or self._whole[0] != key:
+            self._whole = key, self.tape.series(episode.number, episode.begins, episode.ends)
+        return self._whole[1], episode.ends - episode.begins

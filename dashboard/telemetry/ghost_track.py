@@ -116,10 +116,10 @@ class Comparison:
         return f"{ratio:.1f} x {word}" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f} x {word}"
 
 
-def comparisons(series: Mapping[str, FloatArray]) -> list[Comparison]:
-    """The run against the ghost, from the columns of the history; empty until both have enough rows in common."""
+def comparisons(series: Mapping[str, FloatArray], seconds: float = COMPARED_SECONDS) -> list[Comparison]:
+    """The run against the ghost over the last seconds of these columns; empty until both have enough rows in common."""
     t = series["t"]
-    both = np.isfinite(series[COLUMNS[0]]) & (t > t[-1] - COMPARED_SECONDS)
+    both = np.isfinite(series[COLUMNS[0]]) & (t > t[-1] - seconds)
     if both.sum() < COMPARED_ROWS:
         return []
     pairs = (("distance", "distance_max", COLUMNS[0]), ("tracking", "tracking", COLUMNS[2]))

@@ -1,9 +1,10 @@
 """The last 45 s for trails and plots, in simulated time; cleared at the start of every episode."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.ghost_track import GhostTrack
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.series import Series, Trail
@@ -20,6 +21,8 @@ COLUMNS = (
     "age_mean",
     "solve_max",
     "solve_mean",
+    "off_max",
+    "off_mean",
     "event",
 )
 
@@ -36,8 +39,14 @@ class History:
         self._events = 0
         self._marks: list[float] = []
 
-    def add(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> None:
-        """Add the newest state, with the links' ages and the solve times in the statuses."""
+    def add(
+        self,
+        state: State,
+        links: list[LinkView],
+        statuses: Mapping[int, Status],
+        beliefs: Sequence[BeliefView] = (),
+    ) -> None:
+        """Add the newest state, with the links' ages, the solve times in the statuses, and the beliefs' errors."""
         if state.episode != self.episode or len(state.poses) != self._robots:
             self._begin(state)
         self._trail.add(state.poses, state.stamp)
@@ -45,7 +54,7 @@ class History:
             if event.number > self._events and event.kind != "run" and event.stamp > 0.0:
                 self._marks.append(event.stamp)
         self._events = max([self._events, *(event.number for event in state.events)])
-        self._series.add(state.stamp, self._row(state, links, statuses))
+        self._series.add(state.stamp, self._row(state, links, statuses, beliefs))
 
     def _begin(self, state: State) -> None:
         self.episode, self._robots = state.episode, len(state.poses)
@@ -54,10 +63,17 @@ class History:
         self._marks = []
         self._events = max((event.number for event in state.events), default=0)
 
-    def _row(self, state: State, links: list[LinkView], statuses: Mapping[int, Status]) -> FloatArray:
+    def _row(
+        self,
+        state: State,
+        links: list[LinkView],
+        statuses: Mapping[int, Status],
+        beliefs: Sequence[BeliefView],
+    ) -> FloatArray:
         """One row of COLUMNS, without its stamp."""
         ages = [link.age for link in links if link.age is not None] or [0.0]
         solves = [status.solve for status in statuses.values() if status.episode == state.episode]
+        offs = [1e3 * belief.error for belief in beliefs]
         distance = 1e3 * np.abs(state.distance_errors)
         passed = [at for at in self._marks if at <= state.stamp]
         self._marks = [at for at in self._marks if at > state.stamp]
@@ -71,6 +87,8 @@ class History:
                 1e3 * sum(ages) / len(ages),
                 1e3 * max(solves, default=0.0),
                 1e3 * sum(solves) / max(1, len(solves)),
+                max(offs, default=0.0),
+                sum(offs) / max(1, len(offs)),
                 float(bool(passed)),
             ]
         )

@@ -84,11 +84,15 @@ def _link(state: State, statuses: Mapping[int, Status], link: LinkId) -> LinkVie
     status = statuses.get(link.receiver)
     age, counts = None, LinkCounts()
     if status is not None and status.episode == state.episode:
-        silence = state.stamp - status.stamp
-        age = status.age + (silence if silence > STATUS.stale * max(1.0, state.pace) else 0.0)
-        counts = status.counts
+        age, counts = age_now(state, status), status.counts
     fault = state.faults.get(link, PERFECT)
     return LinkView(link, age, fault, counts, deaf=link.receiver not in state.live)
+
+
+def age_now(state: State, status: Status) -> float:
+    """Age of the newest plan over the link to a robot [s]: as in its status, and longer once it sends none any more."""
+    silence = state.stamp - status.stamp
+    return status.age + (silence if silence > STATUS.stale * max(1.0, state.pace) else 0.0)
 
 
 def oldest(links: list[LinkView]) -> float:

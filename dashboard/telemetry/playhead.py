@@ -62,6 +62,12 @@ class Playhead:
                 return False
         return True
 
+    def go_in_run(self, episode: int, stamp: float) -> None:
+        """Show a moment [s] of the run's own episode of this number; nothing, if that is not kept."""
+        numbers = [one.number for one in self._tape.episodes if one.run_number == episode]
+        if numbers:
+            self.go(Place(numbers[-1], stamp))
+
     def go(self, place: Place) -> None:
         """Show a place on the tape."""
         self._place = self._tape.nearest(place)

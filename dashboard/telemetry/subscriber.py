@@ -12,7 +12,9 @@ from time import monotonic
 
 import numpy as np
 
+from dashboard.telemetry.export_buffer import ExportBuffer
 from dashboard.telemetry.snapshot import Snapshot
+from dashboard.telemetry.tape import Tape
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
 from formation.formation_spec import MAX_ROBOTS
@@ -66,6 +68,10 @@ class TelemetrySubscriber:
         self._over = True
         self._bus.wake()
         self._thread.join(1.0)
+
+    def fill(self, tape: Tape, export_buffer: ExportBuffer) -> bool:
+        """A run comes in by itself."""
+        return False
 
     def snapshot(self) -> Snapshot:
         """What is known now. Called by the thread that draws, and by no other."""

@@ -19,7 +19,7 @@ from dashboard.telemetry.snapshot import Snapshot
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import State, Status
-from network.values import Event
+from network.values import Event, LinkCounts
 
 KEPT_SECONDS = 600.0
 """What is kept of the run, in simulated time [s]."""
@@ -210,6 +210,21 @@ class Tape:
         found["event"] = np.zeros(len(found["t"]))
         found["event"][rows] = 1.0
         return found
+
+    def links(self, place: Place, seconds: float) -> tuple[FloatArray, dict[int, LinkCounts], float]:
+        """What went over the links in the last seconds up to a place.
+
+        Returns:
+            (rows, n) ages of the plans over the link to each robot, NaN if unknown [s]; by receiver, what became of the
+            plans; and how long that was [s].
+        """
+        episode = self.episode(place.episode)
+        assert episode is not None
+        begins = max(place.stamp - seconds, episode.begins)
+        parts = [block.ages(begins, place.stamp) for block in episode.blocks if block.times[0] <= place.stamp]
+        (first, early), (last, late) = episode.row_at(begins), episode.row_at(place.stamp)
+        counts = last.counts_since(late, first, early)
+        return np.concatenate(parts), counts, float(last.times[late] - first.times[early])
 
     def trace(self) -> dict[int, FloatArray]:
         """By episode, the largest distance error (points, 2) of each part of it: stamps [s] and errors [m]."""

@@ -30,6 +30,7 @@ from formation.scenario.any_controller import AnyController
 from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
 from formation.scenario.lockstep import Lockstep
+from formation.scenario.membership import Membership
 from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
@@ -68,6 +69,7 @@ class Scenario(Model):
     """The physical model: motors, slip, sensors."""
     estimator: Estimator = Estimator()
     lockstep: Lockstep = Lockstep()
+    membership: Membership = Membership()
     metrics: Metrics = Metrics()
     link: Fault = Fault()
     """Fault of every link that carries plans, under the scheduled faults and those that users set."""
@@ -117,7 +119,7 @@ class Scenario(Model):
             nominal(self.body, self.control_interval)
         except ValueError as error:
             raise ValueError(f"bodies.{error}") from None
-        for line in robots_missing(self.disturbances, self.size):
+        for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.size)):
             raise ValueError(line)
         wrong = self.offsets.crowded()
         if wrong:

@@ -7,7 +7,7 @@ enough to have the same tables of faults, and the same orders of a driver, at th
 from collections import deque
 from collections.abc import Iterable, Mapping
 
-from agents.agent import Answer
+from agents.sending import Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents.agent import Agent, Answer
+from agents.agent import Agent
+from agents.sending import Answer
 from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId

@@ -139,7 +139,6 @@ def test_a_drag_shows_the_moment_while_the_run_goes_on_and_live_returns(page: Dr
     assert np.abs(before[:, :2] - run.state().poses[:, :2]).max() > 0.02
     box = page.page.locator(".e-frame").evaluate("e => getComputedStyle(e).borderTopWidth")
     assert box == "2px"
-    page.page.keyboard.press("n")  # not a key of the page's
     page.page.locator(".e-handle").press("ArrowRight")
     page.until(lambda: bool(np.abs(page.bodies() - before).max() > 1e-3), "a second later")
     page.press("Next event")

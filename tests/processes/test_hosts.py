@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.two_hosts import Host, two_hosts
 from formation.scenario.files import load
 from runtime import inprocess
 from tests.exceptions import needs
 from tests.processes.live import processes, wait_for
-from tests.processes.namespaces import Host, two_hosts
 
 pytestmark = pytest.mark.processes
 RING = ["formation.robots=8", "faults=[{preset='bursty'}]", "duration=6"]

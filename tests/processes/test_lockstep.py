@@ -23,7 +23,7 @@ from network.control import GetSummary, Start
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime import inprocess
-from runtime.process_list import RunPlan, programs
+from runtime.process_list import Program, RunPlan, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 from tests.processes.live import echelon, wait_for
@@ -58,7 +58,7 @@ GARBAGE = int(os.environ.get("ECHELON_GARBAGE", "300"))
 
 
 def simulate(
-    name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None
+    name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None, several: bool = False
 ) -> dict[str, Any]:
     """One episode as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
@@ -67,6 +67,10 @@ def simulate(
             "lockstep", name, claim.endpoint, (claim.endpoint,), from_settings(settings), speed=0.0, paused=True
         )
         found = programs(plan, scenario)
+        if several:
+            words = ("--run", plan.run, "--connect", plan.connect, "--ids", f"1-{scenario.size}")
+            found = [program for program in found if program.role != "agent"]
+            found.append(Program("agent", 1, "agents", words))
         random.Random(order).shuffle(found)
         supervisor = Supervisor("lockstep", print)
         try:
@@ -104,6 +108,12 @@ def test_processes_give_the_trajectory_of_one_process_in_any_start_order(case: t
         assert {link: f["lost"] for link, f in together["links"].items()} == {
             link: f["lost"] for link, f in alone["links"].items()
         }
+
+
+def test_agents_of_one_command_are_those_of_three() -> None:
+    name, settings = "triangle-circle", ["faults=[{preset='bursty'}]", "duration=5"]
+    alone = inprocess.simulate(load(name, settings))
+    assert simulate(name, settings, several=True)["trajectory_sha256"] == alone["trajectory_sha256"]
 
 
 def test_a_loaded_machine_changes_nothing() -> None:

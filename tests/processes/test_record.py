@@ -103,3 +103,22 @@ def test_a_record_of_an_own_controller_is_verified_with_that_very_text_only(tmp_
     for done in (refused, changed):
         assert not done.stdout
         assert "controller Mine: expected mine.py:Mine of SHA-256" in done.stderr
+
+
+def test_a_live_run_is_recorded_when_its_users_wish(
+    up: Callable[..., Up], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
+    monkeypatch.chdir(tmp_path)
+    live = up("--no-dashboard", "--speed", "4")
+    live.running()
+    echelon("control", "record", "on")
+    (file,) = wait_for(lambda: list(tmp_path.glob("triangle-circle-*.mcap")))
+    shown = wait_for(lambda: live.status().get("recording"))
+    assert shown["file"] == str(file)
+    assert shown["bytes"] > 1000
+    echelon("control", "record", "off")
+    wait_for(lambda: load(file).sound)
+    wait_for(lambda: live.status()["recording"] is None)
+    echelon("verify", str(file))
+    assert live.process.poll() is None

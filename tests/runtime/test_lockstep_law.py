@@ -13,7 +13,6 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from agents.agent import Agent
-from agents.node import AgentNode
 from formation.scenario.files import load
 from formation.scenario.lockstep import Lockstep
 from formation.scenario.scenario import Scenario
@@ -138,6 +137,21 @@ def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int)
     run = MemoryRun(scenario(plan_every), weather)
     play(run, history)
     assert run.finish() == expected(plan_every)
+
+
+@settings(law, max_examples=EXAMPLES // 4)
+@given(weathers, histories)
+def test_a_ring_that_closes_and_opens_is_that_of_one_process(weather: Weather, history: list[Any]) -> None:
+    run = MemoryRun(shrinking(), weather)
+    play(run, history)
+    assert run.finish() == str(inprocess.simulate(shrinking())["trajectory_sha256"])
+
+
+@cache
+def shrinking() -> Scenario:
+    """Of three, one leaves and joins again, then another leaves."""
+    changes = "membership.changes=[{robot=2, leave=0.04, join=0.09}, {robot=3, leave=0.11}]"
+    return load("triangle-circle", [*SETTINGS, changes])
 
 
 def test_robots_that_are_told_the_path_drive_alike_in_both_engines() -> None:
@@ -272,7 +286,7 @@ def _nobody_calls_those_who_were_silent(patch: pytest.MonkeyPatch) -> None:
 
 
 def _any_tick_is_believed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(AgentNode, "_believable", lambda self, tick: True)
+    patch.setattr("agents.node.is_believable", lambda *_, **__: True)
 
 
 def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:

@@ -5,7 +5,7 @@ robots' places less that of both slots. docs/theory.md, section 9, has the rule 
 """
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from formation.arrays import FloatArray
 from formation.disturbances import Disturbance
 from formation.faults import Fault
 from formation.link_ids import LinkId
-from formation.pattern import downstream
+from formation.pattern import downstream, upstream
 from formation.scenario.scenario import Scenario
 from network.messages import Command
 from network.values import Excursion
@@ -76,6 +76,7 @@ class Ledger:
         faults: Mapping[LinkId, Fault],
         disturbances: tuple[Disturbance, ...],
         live: Iterable[int],
+        away: Collection[int] = (),
     ) -> list[str]:
         """A tick: what is, and what acts, at `now` [s].
 
@@ -87,6 +88,7 @@ class Ledger:
             faults: every link that is not perfect.
             disturbances: that act.
             live: robots that have an agent.
+            away: robots over which the ring is closed: they have no error, and nobody's depends on them.
 
         Returns:
             A line for each excursion that begins or is over.
@@ -98,6 +100,8 @@ class Ledger:
             self._seen = seen
             self._note_causes(now, faults, disturbances, set(seen[2]))
         off = poses[:, :2] - slots[:, :2]
+        for robot in away:
+            off[robot - 1] = off[upstream(robot, self._n, away) - 1]
         gap = off - np.concatenate([off[-1:], off[:-1]])
         square = gap[:, 0] ** 2 + gap[:, 1] ** 2
         above = square > self.limit * self.limit

@@ -9,7 +9,7 @@ import numpy as np
 from formation.arrays import FloatArray, timeline
 from formation.driving.reference import DrivenReference
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, quantile, rms, tracking_error
+from formation.metrics import pattern_errors, quantile, rms, tracking_error, tracking_error_of_some
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
@@ -24,6 +24,8 @@ class Trace:
     def __init__(self, scenario: Scenario, ticks: int, reference: Reference | DrivenReference) -> None:
         self._scenario, self.reference = scenario, reference
         self._ticks, self._done = ticks, 0
+        self._rings: list[tuple[int, frozenset[int]]] = [(0, frozenset())]
+        """Rows from which on the ring is closed over robots, and these."""
         self._make(scenario.size)
 
     @property
@@ -77,6 +79,10 @@ class Trace:
         self._ages = np.full((ticks, n), np.nan)
         self._solves = np.full((ticks, n), np.nan)
 
+    def close_over(self, away: frozenset[int]) -> None:
+        """From now on the ring is closed over these robots: they have no errors."""
+        self._rings.append((self._done, away))
+
     @property
     def times(self) -> FloatArray:
         """(T + 1,) of `poses` [s]."""
@@ -98,14 +104,39 @@ class Trace:
         return self._ages[: self._done]
 
     def errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """l_e (T + 1, n) [m], psi_e (T + 1, n) [rad] and the centre's distance to the path (T + 1,) [m]."""
+        """l_e (T + 1, n) [m], psi_e (T + 1, n) [rad] and the centre's distance to the path (T + 1,) [m].
+
+        Robots that are away have no errors: zero. What the others' mean is far from is then the mean of their slots.
+        """
         return self._errors(0)
 
     def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         t, poses = self.times[first:], self.poses[first:]
-        reference = self.reference
-        distance, angle = pattern_errors(poses, reference.positions(t))
-        return distance, angle, tracking_error(poses, reference.centre(t))
+        slots = self.reference.positions(t)
+        distance, angle = pattern_errors(poses, slots)
+        tracking = tracking_error(poses, self.reference.centre(t))
+        for begin, end, away in self._closed():
+            rows = slice(max(0, begin - first), max(0, end - first))
+            distance[rows], angle[rows] = pattern_errors(poses[rows], slots[rows], away)
+            tracking[rows] = tracking_error_of_some(poses[rows], slots[rows], away)
+        return distance, angle, tracking
+
+    def _closed(self) -> list[tuple[int, int, frozenset[int]]]:
+        """Where the ring was closed over robots: the first row, the one after the last, and the robots."""
+        ends = [*(begin for begin, _ in self._rings[1:]), self._done + 1]
+        return [
+            (begin, end, away) for (begin, away), end in zip(self._rings, ends, strict=True) if away and end > begin
+        ]
+
+    def _present(self, robot: int, first: int) -> "slice | FloatArray":
+        """Rows from `first` on in which a robot takes part: all, or a mask."""
+        gone = [(begin, end) for begin, end, away in self._closed() if robot in away]
+        if not gone:
+            return slice(None)
+        rows = np.ones(self._done + 1, dtype=bool)
+        for begin, end in gone:
+            rows[begin:end] = False
+        return rows[first:]
 
     def summary(
         self,
@@ -140,8 +171,8 @@ class Trace:
             "trajectory_sha256": hashlib.sha256(self.poses.astype("<f8").tobytes()).hexdigest(),
             "robots": {
                 str(i + 1): {
-                    "distance_error_m": _spread(distance[:, i]),
-                    "angle_error_rad": _spread(angle[:, i]),
+                    "distance_error_m": _spread(distance[self._present(i + 1, first), i]),
+                    "angle_error_rad": _spread(angle[self._present(i + 1, first), i]),
                     "converged": convergence.share(i + 1),
                     **at_limits.summary(i + 1),
                 }
@@ -169,6 +200,8 @@ class Trace:
 
 def _spread(signed: FloatArray) -> dict[str, float | None]:
     """Statistics of the absolute value; `final` keeps its sign."""
+    if not len(signed):
+        return dict.fromkeys(("rms", "median", "q1", "q3", "p95", "max", "final"))
     size = np.abs(signed)
     return {
         "rms": rms(size),

@@ -174,11 +174,14 @@ def estimate(
     plan = Heard(here, begins / dt, interval / dt, heard, heard_twist, heard_disturbance)
     table = Table(slots, inputs, first)
     update(w, table, Table(late_slots, late_inputs, late_first), lag, plan, mode, ring, q)
-    out[SPEED] = speed
+    for c in range(2):
+        out[SPEED.start + c] = speed[c]
     look_ahead(w, motors_of(motors), k, delay, rate, dt, out[POSE], out[SPEED], out[TWIST])
     m, cov = w.copy_mean[0], w.copy_cov
-    out[DISTURBANCE] = m[3:]
-    out[INPUT_DISTURBANCE] = m[3:6:2]
+    for c in range(3):
+        out[DISTURBANCE.start + c] = m[3 + c]
+    for c in range(2):
+        out[INPUT_DISTURBANCE.start + c] = m[3 + 2 * c]
     _drift(m[DL], out[POSE], out[DRIFT])
     for a in range(3):
         for b in range(3):

@@ -29,7 +29,7 @@ def test_the_ratio_of_the_errors_is_shown_in_words(live: float, other: float, fa
     history = compared(live, other)
     found = comparisons(history.series())
     assert [row.factor for row in found] == [factor, factor]
-    html = comparison(beside(30.0), history)
+    html = comparison(beside(30.0), history, history.series(), 20.0)
     assert html.count(escape(factor)) == 2
     assert "nash" in html
     assert "paper" in html
@@ -47,16 +47,16 @@ def test_without_a_ghost_a_note_tells_why_there_are_no_numbers() -> None:
     for i in range(100):
         history.add(beside(0.1 * i), [], {})
     assert comparisons(history.series()) == []
-    assert "Waiting for the ghost" in comparison(beside(9.9), history)
+    assert "Waiting for the ghost" in comparison(beside(9.9), history, history.series(), 20.0)
     history.ghost.update(beside(9.9), [ghost(3.0)])
-    assert "3 of 10 s" in comparison(beside(9.9), history)
-    assert comparison(state(stamp=9.9), history) == ""
+    assert "3 of 10 s" in comparison(beside(9.9), history, history.series(), 20.0)
+    assert comparison(state(stamp=9.9), history, history.series(), 20.0) == ""
 
 
 def test_names_from_elsewhere_are_escaped() -> None:
     hostile: Any = "<img src=x onerror=alert(1)>"
     history = compared(0.001, 0.01)
-    assert "<img" not in comparison(replace(beside(30.0), controller=hostile), history)
+    assert "<img" not in comparison(replace(beside(30.0), controller=hostile), history, history.series(), 20.0)
 
 
 def test_errors_below_a_micrometre_are_equal() -> None:

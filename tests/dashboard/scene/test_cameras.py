@@ -224,3 +224,13 @@ def test_the_zoom_that_a_user_chose_stays(clock: _Clock) -> None:
     chosen = height(client)
     pass_time(cameras, clock, 3.0, poses=POSES * np.array([4.0, 4.0, 1.0]))
     assert height(client) == pytest.approx(chosen)
+
+
+def test_the_first_pose_of_a_page_that_is_very_slow_is_not_the_users(clock: _Clock) -> None:
+    cameras, client = opened()
+    start = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+    for size in (4.0, 1.0, 4.0, 1.0):  # the zoom has changed many times meanwhile
+        pass_time(cameras, clock, 3.0, poses=POSES * np.array([size, size, 1.0]))
+    client.camera.dragged(*start)
+    pass_time(cameras, clock, 3.0)
+    np.testing.assert_allclose(client.camera.position - client.camera.look_at, height(client) * UPWARD, rtol=0.01)

@@ -40,6 +40,10 @@ class Host:
         assert done.returncode == check, done.stderr
         return done
 
+    def run(self, *words: str, text: str | None = None) -> None:
+        """Run any command to its end."""
+        subprocess.run(self.inside(*words), input=text, text=True, check=True)
+
     @property
     def _environment(self) -> dict[str, str]:
         return {**os.environ, "ECHELON_RUNS": str(self.runs)}
@@ -73,12 +77,12 @@ def two_hosts(folder: Path) -> Iterator[tuple[Host, Host]]:
 
 
 def lose(host: Host, port: int, percent: int) -> None:
-    """From now on so much of what this host sends or receives at this port is lost."""
-    rules = f"""table inet loss {{
-        chain received {{ type filter hook input priority 0; th dport {port} numgen random mod 100 < {percent} drop; }}
-        chain sent {{ type filter hook output priority 0; th sport {port} numgen random mod 100 < {percent} drop; }}
-    }}"""
-    subprocess.run(host.inside("nft", "-f", "-"), input=rules, text=True, check=True)
+    """From now on so much of what comes to this port of a host is lost, until the table `loss` is deleted.
+
+    On arrival: of what is dropped where it is sent, the sender's TCP would know.
+    """
+    chain = f"type filter hook input priority 0; th dport {port} numgen random mod 100 < {percent} drop;"
+    host.run("nft", "-f", "-", text=f"table inet loss {{\nchain received {{\n{chain}\n}}\n}}\n")
 
 
 def _ip(*words: str) -> None:

@@ -1,4 +1,4 @@
-"""What a hostile client does to the page: thirty kinds of messages, 10^5 of each; what it costs, and whether it is back.
+"""What a hostile client does to the page: thirty kinds of messages, up to 10^5 of each, and the memory it costs.
 
 Run it with `python -m benchmarks.hostile`.
 """

@@ -228,7 +228,7 @@ def _matches(hint: Any, value: Any) -> bool:
             return value in parts
         case kind if kind is dict:
             return isinstance(value, dict)
-        case kind if kind is tuple and isinstance(value, tuple):
+        case kind if kind is tuple and isinstance(value, tuple | list):
             whole = parts if parts[-1] is not ... else parts[:1] * min(len(value), MOST_ITEMS)
             return len(whole) == len(value) and all(map(_matches, whole, value))
         case _:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from agents.agent import Agent
 from agents.controllers.own import check_loaded
-from agents.plausibility import check
+from agents.plausibility import MAX_AHEAD, check, is_believable
 from agents.sending import Answer
 from agents.states import TABLE, Event, Output, State
 from formation.errors import ScenarioError, WireError
@@ -30,8 +30,8 @@ STATUS_INTERVAL = 0.1
 """Wall-clock time between two statuses [s]."""
 ASK_SECONDS = 0.2
 """A request for the Setup that is not answered for this long is sent again [s]."""
-MAX_AHEAD, MAX_TICKS_AHEAD = 1.0, 10
-"""A message may be stamped this far ahead of the newest tick [s], or by this many ticks."""
+MAX_TICKS_AHEAD = 10
+"""A plan may be so many ticks ahead of the newest tick, or MAX_AHEAD."""
 KEPT_PLANS = 256
 """Plans that wait for their tick, at most; the oldest go first."""
 KEPT_ANSWERS = 2
@@ -61,8 +61,7 @@ class AgentNode:
         self._scenario: Scenario | None = None
         self._agent: Agent | None = None
         self._plan_keys: set[str] = set()
-        self._deaf_until = -1
-        """Tick from which on it hears the neighbours that it has since the ring changed."""
+        self._deaf_until = -1  # since the ring changed, it hears its neighbours from this tick on
         self._plans: dict[tuple[int, int, int], Plan] = {}
         """Of the neighbours that the agent hears, by episode, seq and sender."""
         self._tick: Tick | None = None
@@ -147,11 +146,13 @@ class AgentNode:
         setup = self._setup
         if setup is not None and 0 < setup.episode - tick.episode <= RECENT_EPISODES:
             return  # of an episode that is over
-        if setup is None or tick.episode != setup.episode or not self._believable(tick):
+        scenario = self._scenario
+        if setup is None or scenario is None or tick.episode != setup.episode:
             self._unknown = tick
             return
-        scenario = self._scenario
-        assert scenario is not None  # comes with the Setup
+        if not is_believable(tick, setup, scenario, answered=self._answered, newest=self._newest[2]):
+            self._unknown = tick
+            return
         check(tick, scenario)
         self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
         if tick.seq < self._newest[1] or tick.revision < setup.revision:
@@ -161,19 +162,6 @@ class AgentNode:
         self._newest = tick.episode, tick.seq, tick.stamp
         if tick.seq > self._answered and self._agent is not None:
             self._tick = None if self._robot in tick.gone else tick
-
-    def _believable(self, tick: Tick) -> bool:
-        """Whether the tick can be the world's newest, by what this node knows: one that cannot needs a new Setup.
-
-        In lockstep the world waits for this agent, so the next tick is the one after that which it answered, unless
-        the world went on without it.
-        """
-        setup, scenario = self._setup, self._scenario
-        assert setup is not None
-        assert scenario is not None
-        if setup.mode == "lockstep":
-            return tick.seq <= max(self._answered + 1, round(setup.stamp / scenario.control_interval))
-        return tick.stamp <= max(self._newest[2], setup.stamp) + MAX_AHEAD
 
     def _receive_plan(self, key: str, plan: Plan) -> None:
         if plan.sender != topics.robot_of(key):
@@ -225,9 +213,8 @@ class AgentNode:
         agent = Agent(scenario, self._robot, episode=setup.episode, away=setup.away) if here else None
         self._scenario, self._agent = scenario, agent
         self._answers, self._answered, self._missed, self._last_status = [], -1, 0, None
-        self._tick, self._newest, self._repeated = None, (setup.episode, -1, -1.0), False
+        self._tick, self._newest, self._repeated, self._deaf_until = None, (setup.episode, -1, -1.0), False, -1
         self._plans = {key: plan for key, plan in self._plans.items() if key[0] == setup.episode}
-        self._deaf_until = -1
         self._listen(agent)
         self._renew(setup)
 
@@ -270,8 +257,8 @@ class AgentNode:
             self._missed += tick.seq - self._answered - 1
         for key in sorted(key for key in self._plans if key[0] == tick.episode and key[1] < tick.seq):
             plan = self._plans.pop(key)
-            fits = plan.seq == tick.seq - 1 and plan.sender in tick.planned
-            if plan.seq >= self._deaf_until and (fits or not lockstep):
+            fits = not lockstep or (plan.seq == tick.seq - 1 and plan.sender in tick.planned)
+            if fits and plan.seq >= self._deaf_until:
                 agent.receive(plan)
         answer = agent.step(tick)
         self._answered = tick.seq

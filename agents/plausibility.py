@@ -1,8 +1,30 @@
-"""Whether a tick can be one of a scenario: what is wrong with one that cannot."""
+"""Whether a tick can be one of a scenario, and the newest that the world has sent."""
 
 from formation.errors import WireError
 from formation.scenario.scenario import Scenario
 from network.messages import Tick
+from network.requests import Setup
+
+MAX_AHEAD = 1.0
+"""A message may be stamped this far ahead of the newest tick [s]."""
+
+
+def is_believable(tick: Tick, setup: Setup, scenario: Scenario, *, answered: int, newest: float) -> bool:
+    """Whether the tick can be the world's newest, by what an agent knows: one that cannot needs a new Setup.
+
+    In lockstep the world waits for this agent, so the next tick is the one after that which it answered, unless the
+    world went on without it.
+
+    Args:
+        tick: of the Setup's episode.
+        setup: the newest.
+        scenario: of the Setup.
+        answered: tick that was answered last, -1 before the first.
+        newest: stamp of the newest tick that was believed [s].
+    """
+    if setup.mode == "lockstep":
+        return tick.seq <= max(answered + 1, round(setup.stamp / scenario.control_interval))
+    return tick.stamp <= max(newest, setup.stamp) + MAX_AHEAD
 
 
 def check(tick: Tick, scenario: Scenario) -> None:

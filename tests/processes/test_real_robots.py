@@ -22,7 +22,7 @@ from records.cdr import Fields
 from ros.types import TWIST
 from runtime.run_registry import find
 from tests.processes.live import Up, wait_for
-from tests.ros.peers import Robot, SdkRobot, free_port, router
+from tests.ros.peers import Robot, SdkRobot, router
 
 pytestmark = pytest.mark.processes
 CLOSE = 0.005
@@ -105,9 +105,9 @@ def _serve(endpoint: str) -> None:
     main(["--listen", endpoint])
 
 
-def test_a_robot_is_told_to_stand_whatever_ends() -> None:
+def test_a_robot_is_told_to_stand_whatever_ends(runs: Path) -> None:
     """The run falls silent, its router dies, the body's process is asked to end."""
-    ours = f"tcp/127.0.0.1:{free_port()}"
+    ours = f"unixsock-stream/{runs}/r"
     with router() as theirs:
         robot = Robot(theirs, "/r", (1.0, 2.0, 0.5), kind=TWIST)
         our_router = multiprocessing.get_context("spawn").Process(target=_serve, args=(ours,))

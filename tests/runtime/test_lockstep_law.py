@@ -13,7 +13,6 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from agents.agent import Agent
-from agents.node import AgentNode
 from formation.scenario.files import load
 from formation.scenario.lockstep import Lockstep
 from formation.scenario.scenario import Scenario
@@ -287,7 +286,7 @@ def _nobody_calls_those_who_were_silent(patch: pytest.MonkeyPatch) -> None:
 
 
 def _any_tick_is_believed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(AgentNode, "_believable", lambda self, tick: True)
+    patch.setattr("agents.node.is_believable", lambda *_, **__: True)
 
 
 def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,6 @@
 """Makes the pictures of the page beside this file: README's first is cut.png.
 
-.venv/bin/python -m docs.make_pictures [--into FOLDER] [--chromium /usr/bin/chromium]
+.venv/bin/python -m docs.make_pictures [--into FOLDER] [--only RUN] [--chromium /usr/bin/chromium]
 
 Three runs, in a browser without a graphics card: that takes two minutes. The pictures are saved with a palette of 256
 colours, which makes them a third as large.
@@ -121,16 +121,21 @@ def looked_into(camera: Camera) -> None:
         camera.take(driven, "network-light", LARGE, light=True)
 
 
+RUNS = (followed, drove, looked_into)
+
+
 def main() -> None:
     """Make them all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--into", type=Path, default=HERE)
+    parser.add_argument("--only", choices=[run.__name__ for run in RUNS], help="one of the runs")
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     options = parser.parse_args()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=options.chromium, args=FLAGS)
-        for pictures in (followed, drove, looked_into):
-            pictures(Camera(browser, options.into))
+        for pictures in RUNS:
+            if options.only in (None, pictures.__name__):
+                pictures(Camera(browser, options.into))
         browser.close()
 
 

@@ -47,10 +47,11 @@ def run(options: argparse.Namespace) -> None:
             for file in export(load(options.file), options.kind or "csv"):
                 print(file)
         case "agent":
-            _run_agent(options)
+            run_agent(options)
 
 
-def _run_agent(options: argparse.Namespace) -> None:
+def run_agent(options: argparse.Namespace) -> None:
+    """Run one agent anew and print how its commands differ."""
     record = load(options.file)
     ensure_compiled(tell)
     chosen = controllers(options)

@@ -5,6 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from cli.live.up import DEFAULT_PORT, LOOPBACK
+from cli.options import add_controllers
+from cli.recording import run_agent
 from dashboard.serving import access
 from dashboard.serving.access import Guard
 
@@ -18,10 +20,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--host", default=LOOPBACK, help="to serve the page on (default: loopback); others demand a token"
     )
     parser.add_argument("--token", help=f"that browsers must send; ${access.TOKEN} hides it from ps")
+    parser.add_argument(
+        "--agent", type=int, metavar="N", help="no page: `recording agent` of robot N, with --controller another one"
+    )
+    parser.add_argument("--json", action="store_true", help="with --agent: print JSON")
+    add_controllers(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Serve the page until Ctrl-C."""
+    """Serve the page until Ctrl-C, or run one agent anew."""
+    if options.agent is not None:
+        options.robot = options.agent
+        run_agent(options)
+        return
     from runtime.replay.process import serve  # noqa: PLC0415  half a second, for the page
 
     token = access.given_token(options.token)

@@ -286,7 +286,7 @@ class Block:
     def ages(self, begins: float, ends: float) -> FloatArray:
         """(rows, n) ages of the plans over the links to each robot between two stamps; NaN if unknown [s]."""
         rows = slice(*np.searchsorted(self.times[: self.count], [begins, ends + 1e-9]).tolist())
-        return np.where(self._flags[rows] & _KNOWN, self._robots[rows, :, _AGE], np.nan)
+        return np.where(self._flags[rows] & _KNOWN, self._robots[rows, :, _AGE].astype(float), np.nan)
 
 
 _NONE: FloatArray = np.zeros(0)

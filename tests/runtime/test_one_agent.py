@@ -45,6 +45,8 @@ def test_the_command_prints_what_came_of_it(files: Any, capsys: pytest.CaptureFi
     words = ["recording", "agent", str(files["lockstep"]), "--robot", "2"]
     assert main(words) == 0
     assert "robot 2, 250 ticks: every command is equal" in capsys.readouterr().out
+    assert main(["replay", str(files["lockstep"]), "--agent", "2"]) == 0
+    assert "robot 2, 250 ticks: every command is equal" in capsys.readouterr().out
     assert main([*words, "--controller", "consensus", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["first"] is not None
 

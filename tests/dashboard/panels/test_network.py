@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dashboard.page import Page
-from dashboard.panels.network import CARDS, NetworkTab
+from dashboard.panels.network import CARDS, SHORTEST, NetworkTab
+from dashboard.panels.network import _bars as bars
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.feed import Feed
 from dashboard.telemetry.links import ring_links
@@ -51,6 +52,14 @@ def test_a_card_has_the_last_minute_before_the_moment(page: Page, stamp: float, 
     assert "in flight 3" in card
     assert f"95 %: {most}" in card
     assert "belief off by 50.0 mm" in card
+
+
+def test_every_age_has_a_bar_also_the_shortest_in_single_precision(page: Page) -> None:
+    feed, shortest = page._feed, status(2, 1, age=SHORTEST)
+    feed.tape.add(state(3, stamp=1.0), load("triangle-circle"), {2: shortest}, [], None, HERE)
+    ages, _, _ = feed.tape.links(Place(feed.tape.episodes[-1].number, 1.0), 60.0)
+    known = ages[:, 1][np.isfinite(ages[:, 1])]
+    assert [height for _, height, _ in bars(known)] == [1.0]
 
 
 def test_of_many_links_the_worst_are_shown(page: Page) -> None:

@@ -6,6 +6,7 @@ import resource
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -23,11 +24,11 @@ UP = ["up", "triangle-circle", "--no-dashboard"]
 
 
 @pytest.fixture
-def temporary(tmp_path: Path, monkeypatch: Any) -> Path:
-    """The folder for temporary files of commands that a test starts."""
-    (folder := tmp_path / "tmp").mkdir()
-    monkeypatch.setenv("TMPDIR", str(folder))
-    return folder
+def temporary(monkeypatch: Any) -> Iterator[Path]:
+    """The folder for temporary files of commands that a test starts; short, because unix sockets want short paths."""
+    with tempfile.TemporaryDirectory(prefix="ech") as folder:
+        monkeypatch.setenv("TMPDIR", folder)
+        yield Path(folder)
 
 
 def command(words: list[str], **options: Any) -> subprocess.CompletedProcess[str]:

@@ -8,6 +8,7 @@ loaded here, and no other: bytes that were tampered with are refused, they run n
 import io
 import json
 import pickle
+from enum import Enum, EnumMeta
 from typing import Any, Final, NamedTuple
 
 from formation.errors import EchelonError
@@ -73,6 +74,8 @@ class _Unpickler(pickle.Unpickler):
         return self._made[name]
 
     def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == ("builtins", "getattr"):  # how Python up to 3.11.3 writes a member of an enumeration
+            return _member
         if name in OTHERS.get(module, ()):
             return super().find_class(module, name)
         if module.startswith((*ROOMS, PREFIX)) or module in _installed():
@@ -80,6 +83,13 @@ class _Unpickler(pickle.Unpickler):
             if isinstance(found, type) and found.__module__ == module:  # no function, and nothing that it imports
                 return found
         raise pickle.UnpicklingError(f"{module}.{name} is not part of a run")
+
+
+def _member(kind: object, name: str) -> Enum:
+    """The member of an enumeration, and no other attribute of anything."""
+    if isinstance(kind, EnumMeta):
+        return kind[name]  # type: ignore[no-any-return]
+    raise pickle.UnpicklingError(f"an attribute {name} is not part of a run")
 
 
 def _installed() -> set[str]:

@@ -443,6 +443,6 @@ def test_a_live_world_refuses_it_and_goes_on_as_before() -> None:
 
 def test_the_page_does_not_offer_it() -> None:
     gui = MagicMock()
-    RunPanel(gui, MagicMock(), ScenarioList())
+    RunPanel(gui, MagicMock(), ScenarioList(), MagicMock())
     offered = {call.args[0]: call.args[1] for call in gui.add_dropdown.call_args_list}
     assert set(offered["Controller"]) == set(names()) - {"centralised"}

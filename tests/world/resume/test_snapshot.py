@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formation.faults import PERFECT
+from formation.faults import PERFECT, Fault
 from formation.scenario.files import load as load_scenario
 from formation.scenario.scenario import Scenario
 from network.control import Drive, SetFault, Speed
@@ -25,6 +25,7 @@ from world.parts import Parts
 from world.resume import saver
 from world.resume.saver import Saver, saved
 from world.resume.snapshot import SnapshotError, dump, load
+from world.states import Phase
 
 __all__ = ["clean"]
 
@@ -220,6 +221,28 @@ def test_foreign_names_are_refused_and_run_nothing(
     with pytest.raises(SnapshotError, match="is not part of a run"):
         saved(tmp_path)
     assert not (tmp_path / "ran").exists()
+
+
+class Attribute:
+    """Pickled as Python up to 3.11.3 pickles a member of an enumeration."""
+
+    def __init__(self, of: object, name: str) -> None:
+        self.of, self.name = of, name
+
+    def __reduce__(self) -> tuple[object, tuple[object, str]]:
+        return getattr, (self.of, self.name)
+
+
+def test_members_of_enumerations_are_read_however_they_are_written_and_no_other_attributes(tmp_path: Path) -> None:
+    _, parts = begun(load_scenario("triangle-circle"))
+    head = dump(parts).partition(b"\n")[0]
+    for written, reason in (
+        (Attribute(Phase, "HOLD"), "Parts"),
+        (Attribute(Fault, "mro"), "is not part of a run"),
+    ):
+        (tmp_path / saver.RUN).write_bytes(head + b"\n" + pickle.dumps(written))
+        with pytest.raises(SnapshotError, match=reason):
+            saved(tmp_path)
 
 
 @settings(max_examples=25, deadline=None)

@@ -12,7 +12,7 @@ from typing import Any
 
 import viser
 
-from dashboard.keys import HANDLE, HELP
+from dashboard.keys import COMMANDS, HANDLE, HELP
 from dashboard.notices import Notice
 from dashboard.overlay.chips import chips
 from dashboard.overlay.help import help_html
@@ -96,6 +96,7 @@ def _tables() -> dict[str, object]:
     """What the scripts have in common with this program: signs, keys, and the help about both."""
     return {
         "signs": {kind: (sign.form, sign.colour) for kind, sign in SIGNS.items()},
+        "shortcuts": {name: key for name, (key, _) in COMMANDS.items()},
         "handle": {key: one.words for key, one in HANDLE.items()},
         "helpKey": HELP,
         "help": help_html(),

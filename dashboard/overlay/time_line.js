@@ -4,11 +4,12 @@
   const {root, changed, value, tell, modules, tables} = window.__echelonParts;
   const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20], GAP = 14, TOP = 24, BASE = 58, SETTLE_MS = 600, TELL_MS = 70;
   const FORMS = tables.signs, KEYS = tables.handle;
+  const shortcut = name => tables.shortcuts["Time line: " + name];
   const strip = document.createElement("div");
   strip.className = "e-strip";
   strip.innerHTML = '<div class="e-strip-left"><button data-do="play" class="e-round"></button>' +
-    '<button data-do="mark,back" aria-label="Event before" title="Event before (B)">⇤</button>' +
-    '<button data-do="mark,next" aria-label="Next event" title="Next event (N)">⇥</button></div>' +
+    `<button data-do="mark,back" aria-label="Event before" title="Event before (${shortcut("event before")})">⇤</button>` +
+    `<button data-do="mark,next" aria-label="Next event" title="Next event (${shortcut("next event")})">⇥</button></div>` +
     '<div class="e-track"><svg aria-hidden="true"></svg><div class="e-handle" role="slider" tabindex="0" aria-label="Time"' +
     '><span></span></div></div>' +
     '<div class="e-strip-right"><button data-do="live" class="e-live"></button><button data-do="loop" aria-label="Loop" ' +
@@ -105,7 +106,7 @@
     svg.insertAdjacentHTML("beforeend", `<path class="e-done" d="M0 ${BASE}H${left.toFixed(1)}"/>`);
     strip.classList.toggle("e-past", rewound);
     pill.textContent = line.live ? (past() ? "LIVE ›" : "● LIVE") : line.speed + " ×";
-    pill.title = line.live ? "Show the run as it is (L)" : "Speed";
+    pill.title = line.live ? `Show the run as it is (${shortcut("the run as it is")})` : "Speed";
     loop.style.display = line.live ? "none" : "";
     loop.setAttribute("aria-pressed", line.loop);
     clock.textContent = line.live ? now[1].toFixed(1) + (past() ? " s now" : " s") : "of " + now[1].toFixed(1) + " s";

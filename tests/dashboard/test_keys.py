@@ -39,7 +39,11 @@ def test_the_scripts_have_no_keys_and_signs_of_their_own() -> None:
     for name in (*(f"overlay/{script}.js" for script in SCRIPTS), "panels/wheel.js"):
         text = files("dashboard").joinpath(name).read_text(encoding="utf-8")
         assert not re.findall(r"\b(?:Key[A-Z]|Arrow[LRUD]\w+|Page(?:Up|Down))\b", text), name
-        assert not set(re.findall(r"[▲✕○]", text)), name
+        assert not set(re.findall(r"[▲✕○]|\([A-Z]\)", text)), name
+    used = re.findall(
+        r"""shortcut\("([^"]+)"\)""", files("dashboard").joinpath("overlay/time_line.js").read_text("utf-8")
+    )
+    assert {f"Time line: {name}" for name in used} == {name for name in COMMANDS if name.startswith("Time line")}
 
 
 def test_every_sign_has_its_own_form_and_a_meaning_in_the_help() -> None:

@@ -6,8 +6,8 @@ Kills, SIGTERMs and freezes of agents, world, router and ghost, alone and in pai
 run is whole once every agent takes part and simulated time goes on; the time to that counts from the fault, of a freeze
 from its end. The limit on deaths in a row, by which `up` gives up, is lifted. Then lockstep episodes in which processes
 are frozen only are compared with the engine in one process, and every process and folder of the runs must be gone.
-An agent that is frozen alone for longer than the lease (network/zenoh_bus.py, 1 s) is lost like one that was killed,
-and the episode is then another one: the figures name it, with the events.
+Freezes are shorter than the lease (network/zenoh_bus.py); an agent that is lost all the same makes another episode: the
+figures name it, with the events.
 """
 
 import argparse

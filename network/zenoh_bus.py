@@ -2,7 +2,7 @@
 
 All that arrives (samples, queries, responses, processes that come and go) lands in one queue in the order of arrival.
 Zenoh's own receive threads only append to it, so a slow reader never stalls the session, and a reader can wait with a
-time limit. This is the only module that imports zenoh.
+time limit. Besides ros/session.py this is the only module that imports zenoh.
 """
 
 import json
@@ -16,15 +16,21 @@ import zenoh
 
 from formation.errors import EchelonError
 from network import control, topics
-from network.access.keys import Keys, check, refusal
+from network.access.keys import LOCAL, Keys, check, protocol, refusal
 from network.access.rules import access_list
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
 from network.messages import Message
 from network.requests import Request
 
-LEASE_MS = 1000
-"""Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own."""
+LEASE_MS = 10_000
+"""Zenoh's lease: a process that sends nothing for this long counts as gone. Each side announces its own.
+
+On one machine a process that dies closes its socket, which is seen at once; the lease is for one that is frozen, and
+then lockstep waits rather than goes on without it.
+"""
+NETWORK_LEASE_MS = 1000
+"""The same of processes that reach the run over a network: a cable that is pulled closes no socket."""
 CONNECT_SECONDS = 10.0
 """Longest wait for a router that is just starting, or coming back [s]."""
 CLOSE_SECONDS = 2.0
@@ -35,9 +41,10 @@ REQUEST_SECONDS = 1.0
 """A request that is not answered for this long never is [s]."""
 
 
-def _settings(mode: str, keys: Keys | None) -> dict[str, Any]:
+def _settings(mode: str, endpoints: Sequence[str], keys: Keys | None) -> dict[str, Any]:
     """Of a session with the router only: no scouting, no other listeners, no shared memory."""
-    link: dict[str, Any] = {"tx": {"lease": LEASE_MS, "keep_alive": 4}}
+    lease = LEASE_MS if all(protocol(endpoint) == LOCAL for endpoint in endpoints) else NETWORK_LEASE_MS
+    link: dict[str, Any] = {"tx": {"lease": lease, "keep_alive": 4}}
     if keys is not None:
         link["tls"] = keys.settings(listening=mode == "router")
     return {
@@ -50,7 +57,7 @@ def _settings(mode: str, keys: Keys | None) -> dict[str, Any]:
 
 def client_config(endpoint: str, *, keys: Keys | None = None, patience: float = CONNECT_SECONDS) -> zenoh.Config:
     """Of a session with a router, which is waited for so long [s]."""
-    settings = _settings("client", keys)
+    settings = _settings("client", [endpoint], keys)
     settings["connect"] = {
         "endpoints": [endpoint],
         "timeout_ms": round(patience * 1e3),
@@ -236,7 +243,7 @@ class Router:
         """
         for endpoint in endpoints:
             check(endpoint, keys, insecure=insecure)
-        settings = _settings("router", keys)
+        settings = _settings("router", endpoints, keys)
         settings["listen"]["endpoints"] = list(endpoints)
         if keys is not None:
             settings["access_control"] = access_list(run)

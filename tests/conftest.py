@@ -4,10 +4,18 @@
 the clock, and beside them the others, file by file.
 """
 
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
 import pytest
 from hypothesis import settings
 
 from runtime.precompile import ensure_compiled
+
+ROOT = Path(__file__).parent.parent
+LIVE = re.compile(r"pytest\.mark\.(processes|browser)")
 
 settings.register_profile("echelon", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.load_profile("echelon")
@@ -19,8 +27,19 @@ def pytest_xdist_setupnodes() -> None:
     ensure_compiled(print)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        live = any(item.get_closest_marker(name) for name in ("processes", "browser"))
-        item.add_marker(pytest.mark.xdist_group("live" if live else item.location[0]))
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Gives a worker one file after the other, and all files of live runs as if they were one."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):  # type: ignore[misc]
+        def _split_scope(self, nodeid: str) -> str:
+            return group_of(nodeid.split("::", 1)[0])
+
+    return ByFile(config, log)
+
+
+@cache
+def group_of(file: str) -> str:
+    marks = LIVE.search((ROOT / file).read_text(encoding="utf-8"))
+    return "live" if marks else file

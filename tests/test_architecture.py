@@ -103,7 +103,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"telemetry"},
         {"theme"},
         {"scene"},
-        {"export", "notices"},
+        {"export", "keys", "notices"},
         {"requests", "scenario_list"},
         {"panels"},
         {"overlay", "serving"},

@@ -25,11 +25,13 @@ COPY studies studies
 RUN pip install --no-cache-dir --no-deps --no-build-isolation .
 # From here on nothing is imported from the copied folders: the packages are installed.
 WORKDIR /tmp
-# The solver is compiled here, and again only when its own text changes; containers copy it to their /tmp, because their
-# root is read-only.
+# The solver is compiled here, and again only when its own text changes: the cache of the build keeps it, the image holds
+# this one alone. Containers copy it to their /tmp, because their root is read-only.
 ENV ECHELON_PREBUILT=/opt/kernels ECHELON_CACHE=/tmp OPENBLAS_NUM_THREADS=1 PYTHONUNBUFFERED=1
 RUN --mount=type=cache,target=/kernels \
     ECHELON_CACHE=/kernels python -c "from runtime.precompile import ensure_compiled; ensure_compiled(print)" \
-    && cp -r /kernels /opt/kernels
+    && ECHELON_PREBUILT=/kernels ECHELON_CACHE=/opt/kernels \
+    python -c "from agents.kernels.jit_cache import fetch_prebuilt; fetch_prebuilt()" \
+    && chmod -R a+rX /opt/kernels
 RUN mkdir /records /var/lib/echelon && chown 10001:10001 /records /var/lib/echelon
 USER 10001:10001

@@ -279,7 +279,7 @@ class Page:
             self._network_cards.content = self._network.html(view, self._clickable, self._faults.target)
         if whole or not self._turn % 2:
             self._event_log.content = event_log(view.snapshot.state)
-            self._ledger_table.content = self._ledger.html(snapshot.state, self._clickable)
+            self._ledger_table.content = self._ledger.html(snapshot, self._clickable)
         if snapshot.state is not None:
             self._faults.draw(snapshot.state, driven=_driven(snapshot))
             self._push.draw(snapshot)

@@ -103,7 +103,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"telemetry"},
         {"theme"},
         {"scene"},
-        {"export", "notices"},
+        {"export", "keys", "notices"},
         {"requests", "scenario_list"},
         {"panels"},
         {"overlay", "serving"},
@@ -208,6 +208,7 @@ def test_every_installed_package_is_a_room() -> None:
     with (ROOT / "pyproject.toml").open("rb") as file:
         packages = tomllib.load(file)["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
     assert set(packages) - DATA == set(ROOMS)
+    assert not [room for room in ROOMS if not (ROOT / room / "py.typed").is_file()]  # their types are installed too
 
 
 def test_no_other_folder_holds_code_of_the_product() -> None:

@@ -36,7 +36,8 @@
     input.dispatchEvent(new Event("input", {bubbles: true}));
   }
   const modules = [];  // of the parts below: {take(), place(project, area)}
-  window.__echelonParts = {root, changed, value, tell, modules, redraw: () => { dirty = true; }};
+  const tables = "TABLES";  // of keys and signs, and the help: the script is sent with them in this place
+  window.__echelonParts = {root, changed, value, tell, modules, tables, redraw: () => { dirty = true; }};
 
   // ---- status line
   function statusLine(now) {

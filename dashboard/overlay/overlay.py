@@ -12,15 +12,18 @@ from typing import Any
 
 import viser
 
+from dashboard.keys import COMMANDS, HANDLE, HELP
 from dashboard.notices import Notice
 from dashboard.overlay.chips import chips
+from dashboard.overlay.help import help_html
 from dashboard.overlay.status_line import status_line
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.scene.layers import Sizes
 from dashboard.telemetry.feed import View
+from dashboard.theme.signs import SIGNS
 from dashboard.theme.templates import render
 
-SCRIPTS = ("overlay", "time_line")
+SCRIPTS = ("overlay", "time_line", "help")
 MAX_TEXT = 64
 """Of what a page writes into the hidden field."""
 
@@ -44,6 +47,7 @@ class Overlay:
         self._text.on_update(self._written)
         label = f"label[for='{self._text._impl.uuid}']"
         script = "\n".join(_script(name) for name in SCRIPTS).replace("LABEL", label)
+        script = script.replace('"TABLES"', json.dumps(_tables()))
         self._config = gui.add_html("")
         self._status = gui.add_html("")
         self._chips = gui.add_html("")
@@ -86,6 +90,17 @@ class Overlay:
 def hidden_part(name: str, value: object) -> str:
     """A hidden element that holds a value for the script."""
     return f'<div hidden class="e-source" data-part="{name}" data-value="{escape(json.dumps(value))}"></div>'
+
+
+def _tables() -> dict[str, object]:
+    """What the scripts have in common with this program: signs, keys, and the help about both."""
+    return {
+        "signs": {kind: (sign.form, sign.colour) for kind, sign in SIGNS.items()},
+        "shortcuts": {name: key for name, (key, _) in COMMANDS.items()},
+        "handle": {key: one.words for key, one in HANDLE.items()},
+        "helpKey": HELP,
+        "help": help_html(),
+    }
 
 
 def _script(name: str) -> str:

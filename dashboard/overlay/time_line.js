@@ -1,14 +1,15 @@
 (function () {
   // The time line along the foot of the scene. The server sends what is on it (episodes with their error, marks) and the
   // moment that is shown; a drag is told to the server as "go,episode,stamp", and shown here at once.
-  const {root, changed, value, tell, modules} = window.__echelonParts;
+  const {root, changed, value, tell, modules, tables} = window.__echelonParts;
   const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20], GAP = 14, TOP = 24, BASE = 58, SETTLE_MS = 600, TELL_MS = 70;
-  const FORMS = {fault: ["▲", "warn"], cut: ["✕", "bad"], lost: ["○", "bad"], push: ["→", "ink"]};
+  const FORMS = tables.signs, KEYS = tables.handle;
+  const shortcut = name => tables.shortcuts["Time line: " + name];
   const strip = document.createElement("div");
   strip.className = "e-strip";
   strip.innerHTML = '<div class="e-strip-left"><button data-do="play" class="e-round"></button>' +
-    '<button data-do="mark,back" aria-label="Event before" title="Event before (B)">⇤</button>' +
-    '<button data-do="mark,next" aria-label="Next event" title="Next event (N)">⇥</button></div>' +
+    `<button data-do="mark,back" aria-label="Event before" title="Event before (${shortcut("event before")})">⇤</button>` +
+    `<button data-do="mark,next" aria-label="Next event" title="Next event (${shortcut("next event")})">⇥</button></div>` +
     '<div class="e-track"><svg aria-hidden="true"></svg><div class="e-handle" role="slider" tabindex="0" aria-label="Time"' +
     '><span></span></div></div>' +
     '<div class="e-strip-right"><button data-do="live" class="e-live"></button><button data-do="loop" aria-label="Loop" ' +
@@ -85,7 +86,7 @@
       parts.push(`<path d="M${at.toFixed(1)} ${TOP - 6}V${BASE}" style="stroke:var(--${colour})" opacity=".7"/>` +
         `<text class="e-mark" x="${(at - 4).toFixed(1)}" y="13" style="fill:var(--${colour})">${form}` +
         (room ? ` <tspan>${escaped(label)}</tspan>` : "") + `<title>${escaped(label)}</title></text>`);
-      if (ends !== null) parts.push(`<circle cx="${x(number, ends).toFixed(1)}" cy="${BASE}" r="3" style="fill:var(--ok)"/>`);
+      if (ends !== null) parts.push(`<circle cx="${x(number, ends).toFixed(1)}" cy="${BASE}" r="3" style="fill:var(--${FORMS.over[1]})"/>`);
     }
     return parts.join("");
   }
@@ -105,7 +106,7 @@
     svg.insertAdjacentHTML("beforeend", `<path class="e-done" d="M0 ${BASE}H${left.toFixed(1)}"/>`);
     strip.classList.toggle("e-past", rewound);
     pill.textContent = line.live ? (past() ? "LIVE ›" : "● LIVE") : line.speed + " ×";
-    pill.title = line.live ? "Show the run as it is (L)" : "Speed";
+    pill.title = line.live ? `Show the run as it is (${shortcut("the run as it is")})` : "Speed";
     loop.style.display = line.live ? "none" : "";
     loop.setAttribute("aria-pressed", line.loop);
     clock.textContent = line.live ? now[1].toFixed(1) + (past() ? " s now" : " s") : "of " + now[1].toFixed(1) + " s";
@@ -173,11 +174,10 @@
     if (button) doIt(button.dataset.do);
   });
   handle.addEventListener("keydown", event => {
-    const seconds = {ArrowLeft: -1, ArrowRight: 1, PageUp: -10, PageDown: 10}[event.key];
-    const words = {Home: line && `go,${line.episodes[0][0]},0`, End: "live", Escape: "live", " ": "play"}[event.key];
-    if (seconds) doIt(`step,${event.shiftKey ? Math.sign(seconds) * 0.1 : seconds}`);
-    else if (words) doIt(words);
-    else return;
+    const words = KEYS[event.key], [what, seconds] = (words || "").split(",");
+    if (!words || !line) return;
+    if (what === "step" && event.shiftKey) doIt(`step,${Math.sign(seconds) * 0.1}`);
+    else doIt(what === "begin" ? `go,${line.episodes[0][0]},0` : words);
     event.preventDefault();
     event.stopPropagation();
   });

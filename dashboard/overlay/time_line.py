@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from dashboard.keys import bind
 from dashboard.overlay.overlay import hidden_part
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.telemetry.feed import Feed, View
@@ -14,12 +15,12 @@ from dashboard.theme.limits import DISTANCE_LIMIT
 
 INTERVAL = 0.5
 """Between two updates of what moves by itself [s]."""
-KEYS = {
-    "Time line: the run as it is": ("L", viser.Icon.BROADCAST, ("live",)),
-    "Time line: next event": ("N", viser.Icon.ARROW_BAR_TO_RIGHT, ("mark", "next")),
-    "Time line: event before": ("B", viser.Icon.ARROW_BAR_TO_LEFT, ("mark", "back")),
+COMMANDS = {
+    "Time line: the run as it is": (viser.Icon.BROADCAST, ("live",)),
+    "Time line: next event": (viser.Icon.ARROW_BAR_TO_RIGHT, ("mark", "next")),
+    "Time line: event before": (viser.Icon.ARROW_BAR_TO_LEFT, ("mark", "back")),
 }
-"""Commands: their keys, icons, and what the playhead is told."""
+"""Their icons, and what the playhead is told."""
 MOST_MARKS = 60
 """On the line, the newest."""
 
@@ -35,9 +36,8 @@ class TimeLine:
         self._rewound: Any = gui.add_html("")
         self._drawn_at = 0.0
         self._key: object = None
-        for name, (key, icon, words) in KEYS.items():
-            command = gui.add_command(name, hotkey=key, icon=icon)  # type: ignore[arg-type]
-            command.on_trigger(partial(self._tell, words))
+        for name, (icon, words) in COMMANDS.items():
+            bind(gui, name, icon, partial(self._tell, words))
 
     def _tell(self, words: tuple[str, ...], _: object) -> None:
         self._feed.playhead.tell(words)

@@ -4,7 +4,9 @@ from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
 from dashboard.telemetry.playhead import Playhead
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.palette import hue
+from dashboard.theme.signs import SIGNS, Sign
 from dashboard.theme.templates import render
 from network.messages import State
 from network.values import Excursion
@@ -22,9 +24,8 @@ class _Row(NamedTuple):
     one: Excursion
     hue: str
     """Of its robot."""
-    sign: str
+    sign: Sign
     """What kind of cause: a fault, a push, an agent, or none."""
-    colour: str
     click: int
     chosen: bool
 
@@ -38,14 +39,22 @@ class LedgerTab:
         self._chosen: tuple[int, int] | None = None
         """Episode, and number of the excursion."""
 
-    def html(self, state: State | None, clickable: Clickable) -> str:
+    def html(self, snapshot: Snapshot, clickable: Clickable) -> str:
         """The table of the run's newest excursions, the newest first, and how the chosen one came about."""
-        self._state = state
+        state = self._state = snapshot.state
         shown = [] if state is None else state.excursions
         chosen = next((one for one in shown if state and (state.episode, one.number) == self._chosen), None)
         n = 0 if state is None else len(state.poses)
         rows = [_row(one, n, chosen=one is chosen) for one in reversed(shown)]
-        return render("panels/ledger.html", state=state, rows=rows, chosen=chosen, clickable=clickable, verb=VERB)
+        return render(
+            "panels/ledger.html",
+            state=state,
+            noise=snapshot.noise,
+            rows=rows,
+            chosen=chosen,
+            clickable=clickable,
+            verb=VERB,
+        )
 
     def press(self, click: int) -> None:
         """A row was pressed: show the moment just before."""
@@ -65,11 +74,11 @@ class LedgerTab:
 
 def _row(one: Excursion, robots: int, *, chosen: bool) -> _Row:
     if one.cause_at is None:
-        sign, colour = "?", "muted"
+        kind = "unknown"
     elif "cut" in one.cause or "gone" in one.cause:
-        sign, colour = "✕", "bad"
+        kind = "cut"
     elif one.cause.startswith("robot "):
-        sign, colour = "→", "ink"
+        kind = "push"
     else:
-        sign, colour = "▲", "warn"
-    return _Row(one, hue(one.robot, robots), sign, colour, one.number % ROWS, chosen)
+        kind = "fault"
+    return _Row(one, hue(one.robot, robots), SIGNS[kind], one.number % ROWS, chosen)

@@ -11,7 +11,7 @@ from dashboard.panels.clickable import Clickable
 from dashboard.telemetry.feed import Feed, View
 from dashboard.telemetry.links import LOST_SECONDS, LinkView
 from dashboard.telemetry.tape import Place
-from dashboard.theme.formatting import duration, length
+from dashboard.theme.formatting import duration, error
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
@@ -82,7 +82,7 @@ class NetworkTab:
         links = view.links
         if len(links) > CARDS:
             links = sorted(links, key=lambda link: (-link.level, -(link.age or 0.0)))[:CARDS]
-        offs = {belief.receiver: belief.error for belief in view.beliefs}
+        offs = {belief.receiver: (belief.error, view.snapshot.noise) for belief in view.beliefs}
         cards = [self._card(state, link, ages, counts, seconds, offs) for link in links]
         html = render(
             "panels/network.html",
@@ -113,7 +113,7 @@ class NetworkTab:
         ages: FloatArray,
         counts: dict[int, LinkCounts],
         seconds: float,
-        offs: dict[int, float],
+        offs: dict[int, tuple[float, float]],
     ) -> Card:
         n, known = len(state.poses), ages[:, link.receiver - 1]
         known = known[np.isfinite(known)]
@@ -131,8 +131,8 @@ class NetworkTab:
             most_age="" if most is None else " ".join(duration(most)),
             sparks=_sparks(known),
             counts={name.replace("_", " "): getattr(found, name) for name in COUNTED},
-            off="·" if off is None else " ".join(length(off)),
-            off_level=0.0 if off is None else off / DISTANCE_LIMIT,
+            off="·" if off is None else " ".join(error(*off)).rstrip(),
+            off_level=0.0 if off is None else off[0] / DISTANCE_LIMIT,
             rate="" if size is None or seconds < 1.0 else f"{1e-3 * size * found.sent / seconds:.1f} kB/s",
         )
 

@@ -47,7 +47,7 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     state = snapshot.state
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
     rows = [_row(state, i, snapshot.statuses.get(i), links[i - 2]) for i in robots if state is not None]
-    return render("panels/robot_table.html", rows=rows, clickable=clickable)
+    return render("panels/robot_table.html", rows=rows, clickable=clickable, noise=snapshot.noise)
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row:

@@ -5,6 +5,7 @@ from typing import Any
 
 import viser
 
+from dashboard.keys import bind
 from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
 from dashboard.panels.run_summary import RECORD, REWOUND, run_summary
@@ -66,15 +67,10 @@ class RunPanel:
                 control.control.disabled = True
 
     def _add_commands(self, gui: viser.GuiApi) -> None:
-        """Keyboard shortcuts; the command palette (Ctrl-K) lists them too."""
-        pause = gui.add_command("Start or pause", hotkey="P", icon=viser.Icon.PLAYER_PLAY)
-        pause.on_trigger(lambda event: self._switch(event.client_id))
-        step = gui.add_command("Step", description=f"{STEP_TICKS} ticks", hotkey="S", icon=viser.Icon.PLAYER_TRACK_NEXT)
-        step.on_trigger(lambda event: self._act("Step", event.client_id))
-        reset = gui.add_command("Reset", description="Begin a new episode", hotkey="R", icon=viser.Icon.REFRESH)
-        reset.on_trigger(lambda event: self._act("Reset", event.client_id))
-        clear = gui.add_command("Clear all faults", hotkey="C", icon=viser.Icon.ERASER)
-        clear.on_trigger(lambda event: self._act("Clear faults", event.client_id))
+        bind(gui, "Start or pause", viser.Icon.PLAYER_PLAY, lambda event: self._switch(event.client_id))
+        bind(gui, "Step", viser.Icon.PLAYER_TRACK_NEXT, lambda event: self._act("Step", event.client_id))
+        bind(gui, "Reset", viser.Icon.REFRESH, lambda event: self._act("Reset", event.client_id))
+        bind(gui, "Clear all faults", viser.Icon.ERASER, lambda event: self._act("Clear faults", event.client_id))
 
     # ------------------------------------------------------------------ from the user to the world
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, oldest
 from dashboard.telemetry.snapshot import Snapshot
-from dashboard.theme.formatting import duration, length
+from dashboard.theme.formatting import duration, error, length
 from dashboard.theme.limits import DISTANCE_LIMIT, LAG_LIMIT, TRACKING_LIMIT
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
@@ -51,7 +51,7 @@ def run_summary(snapshot: Snapshot, links: list[LinkView], shown: Condition | No
         state=state,
         world_alive=snapshot.world_alive,
         gap="" if state is None else " ".join(length(state.gap)),
-        tiles=[] if state is None else _tiles(state, links),
+        tiles=[] if state is None else _tiles(state, links, snapshot.noise),
         chips=[] if state is None else _chips(state, links),
     )
 
@@ -94,12 +94,12 @@ def robot_label(state: State, robot: int) -> str:
     return "HELD" if robot in state.stopped else "OK"
 
 
-def _tiles(state: State, links: list[LinkView]) -> list[Tile]:
+def _tiles(state: State, links: list[LinkView], noise: float) -> list[Tile]:
     distance = float(abs(state.distance_errors).max())
     age = oldest(links)
     return [
-        Tile("DIST ERR", *length(distance), distance / DISTANCE_LIMIT),
-        Tile("TRACK", *length(state.tracking_error), state.tracking_error / TRACKING_LIMIT),
+        Tile("DIST ERR", *error(distance, noise), distance / DISTANCE_LIMIT),
+        Tile("TRACK", *error(state.tracking_error, noise), state.tracking_error / TRACKING_LIMIT),
         Tile("OLDEST PLAN", *duration(age), age / LOST_SECONDS),
     ]
 

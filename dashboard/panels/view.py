@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from dashboard.keys import bind
 from dashboard.panels.mirrored_controls import set_options
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import LAYERS, Scene
@@ -14,8 +15,8 @@ from dashboard.theme.templates import render
 from network.messages import State
 
 NOBODY = "none"
-HOTKEYS = {"Fit": "F", "3D": "D", "Follow": "G"}
-"""The camera's buttons, and their keys."""
+CAMERA = ("Fit", "3D", "Follow")
+"""The camera's buttons; each is a command with a key too."""
 
 
 class ViewPanel:
@@ -34,7 +35,7 @@ class ViewPanel:
         """
         self._cameras, self._scene = cameras, scene
         with gui.add_folder("View"):
-            camera = gui.add_button_group("Camera", tuple(HOTKEYS))
+            camera = gui.add_button_group("Camera", CAMERA)
             light = gui.add_checkbox("Light", False, hint="Light instead of dark, on every page of this run")
             self._focus: Any = gui.add_dropdown("Follow robot", (NOBODY,), initial_value=NOBODY)
             gui.add_html(render("panels/legend.html"))
@@ -45,9 +46,8 @@ class ViewPanel:
         light.on_update(lambda event: on_palette(LIGHT if event.target.value else DARK))
         camera.on_click(lambda event: self._move_camera(event.target.value, event))
         self._focus.on_update(self._focus_chosen)
-        for name, key in HOTKEYS.items():
-            command = gui.add_command(f"View: {name}", hotkey=key, icon=viser.Icon.CAMERA)  # type: ignore[arg-type]
-            command.on_trigger(partial(self._move_camera, name))
+        for name in CAMERA:
+            bind(gui, f"View: {name}", viser.Icon.CAMERA, partial(self._move_camera, name))
 
     def draw(self, state: State) -> None:
         """Offer the robots of this state."""

@@ -1,7 +1,6 @@
 (function () {
   if (window.__echelonWheel) window.__echelonWheel();
-  var ways = {KeyW: [1, 0], ArrowUp: [1, 0], KeyS: [-1, 0], ArrowDown: [-1, 0],
-    KeyA: [0, 1], ArrowLeft: [0, 1], KeyD: [0, -1], ArrowRight: [0, -1]};
+  var ways = "WAYS";  // signs of v and omega by key; the script is sent with them in this place
   var held = {}, moving = false;
   function field() {
     var label = document.querySelector("LABEL"), box = label && label.closest(":has(input)");

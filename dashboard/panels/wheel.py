@@ -4,6 +4,7 @@ viser knows presses of keys, but no releases. The script listens before viser do
 do not get these keys; it says what is held ten times a second, and nothing once everything is released.
 """
 
+import json
 import math
 from collections.abc import Callable
 from html import escape
@@ -11,6 +12,8 @@ from importlib.resources import files
 from typing import Any
 
 import viser
+
+from dashboard.keys import DRIVING
 
 OnHeld = Callable[[int, float, float], None]
 """(page, v, omega): shares in -1 to 1 that the held keys ask for."""
@@ -31,6 +34,7 @@ class Wheel:
         self._text: Any = client.gui.add_text("Held keys", "")
         label = f"label[for='{self._text._impl.uuid}']"
         script = files("dashboard").joinpath("panels/wheel.js").read_text(encoding="utf-8").replace("LABEL", label)
+        script = script.replace('"WAYS"', json.dumps({code: key.signs for code, key in DRIVING.items()}))
         self._html = client.gui.add_html(
             f"<style>:has(> * > * > * > {label}){{display:none}}</style>"
             f'<img alt="" style="display:none" src="data:," onerror="{escape(script)}">'

@@ -79,8 +79,9 @@ def _cookies(headers: Headers, name: str) -> list[str]:
 
 
 def _set_cookie(name: str, value: str) -> str:
+    """A cookie without a path: it is then for the folder of the page, which may be a proxy's prefix."""
     cookie = SimpleCookie({name: value})
-    for attribute, given in (("httponly", True), ("samesite", "Strict"), ("path", "/")):
+    for attribute, given in (("httponly", True), ("samesite", "Strict")):
         cookie[name][attribute] = given
     return str(cookie[name].OutputString())
 
@@ -90,10 +91,10 @@ def _query(path: str) -> dict[str, str]:
 
 
 def _without_token(path: str) -> Response:
-    """Redirect to the same page under an address without the token."""
+    """Redirect to the same page under an address without the token: relative, because a proxy may add a prefix."""
     rest = urlencode({key: value for key, value in _query(path).items() if key != "token"})
     found = _plain(303, "See Other", "")
-    found.headers["Location"] = f"/?{rest}" if rest else "/"
+    found.headers["Location"] = f"./?{rest}" if rest else "./"
     return found
 
 
@@ -107,7 +108,9 @@ def _own_pages_only(headers: Headers) -> Response | None:
     host = hosts[0].lower() if len(hosts) == 1 else ""
     known = host.rpartition(":")[0] if host.rpartition(":")[2].isdigit() else host
     if known not in ("127.0.0.1", "localhost", "[::1]"):
-        return _plain(403, "Forbidden", "expected the host 127.0.0.1 or localhost")
+        return _plain(
+            403, "Forbidden", "expected the host 127.0.0.1 or localhost; for others, and proxies, start it with --token"
+        )
     if headers.get("Upgrade", "").lower() == "websocket" and origins != [f"http://{host}"]:
         return _plain(403, "Forbidden", "expected this page's own origin")
     return None

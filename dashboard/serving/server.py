@@ -23,6 +23,7 @@ from websockets.http11 import Request, Response
 from dashboard.serving.access import Guard
 from dashboard.serving.admission import answer as answer_to
 from dashboard.serving.admission import too_many
+from dashboard.serving.front_page import with_prefix
 from dashboard.serving.gate import LARGEST, PAGES, Gate
 from formation.errors import EchelonError
 
@@ -42,7 +43,7 @@ def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
             answer = answer_to(guard, request.path, request.headers, taken)
             if answer is None and gate.pages >= PAGES and request.headers.get("Upgrade", "").lower() == "websocket":
                 answer = too_many(PAGES)
-            return answer if answer is not None else process_request(connection, request)
+            return answer if answer is not None else with_prefix(request.path, process_request(connection, request))
 
         options["max_size"] = LARGEST
         return original(handler, sock=bound, process_request=checked, **options)

@@ -31,3 +31,8 @@ class Snapshot:
     """Whether the router can be reached."""
     origin: FloatArray = field(default_factory=lambda: np.zeros(2))
     """(2,) of all places here, in the scenario's coordinates [m]."""
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of x and y as localisation measures them [m]; 0 if it is exact, or not known yet."""
+        return 0.0 if self.scenario is None else self.scenario.body.localisation.position

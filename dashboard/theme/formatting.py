@@ -14,6 +14,16 @@ def length(metres: float) -> tuple[str, str]:
     return (f"{mm:.2f}" if abs(mm) < 9.995 else f"{mm:.1f}" if abs(mm) < 99.95 else f"{mm:.0f}"), "mm"
 
 
+def error(metres: float, noise: float) -> tuple[str, str]:
+    """An error and its unit; "< noise" for one below what localisation can tell.
+
+    Args:
+        metres: the error [m].
+        noise: standard deviation of what localisation measures [m]; 0 if it is exact: then every error has its number.
+    """
+    return length(metres) if abs(metres) >= noise else ("< noise", "")
+
+
 def duration(seconds: float) -> tuple[str, str]:
     """A time and its unit."""
     return (f"{1e3 * seconds:.0f}", "ms") if seconds < 0.9995 else (f"{seconds:.1f}", "s")

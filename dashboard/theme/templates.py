@@ -25,6 +25,7 @@ def _environment() -> Environment:
     )
     made.filters.update(
         metres=formatting.length,
+        error=formatting.error,
         seconds=formatting.duration,
         arrow=formatting.arrow,
         level_colour=formatting.level_colour,

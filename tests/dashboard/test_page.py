@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 
 from dashboard.page import UNWATCHED_FRAME, Page
+from dashboard.panels.run_summary import condition
+from dashboard.serving import server
+from dashboard.serving.access import Guard
+from formation.scenario.files import load
 from network import topics
-from network.codec import encode
+from network.bus import Incoming, Query
+from network.codec import decode, encode
+from network.control import Pause, Start, operation
+from network.memory_bus import MemoryHub
+from network.requests import Reply, Request, Setup
 from tests.builders import state
 from tests.dashboard.fakes import receive
 
@@ -66,3 +74,36 @@ def test_without_an_open_page_every_state_is_kept_and_few_are_drawn(
     assert len(kept.t) >= 25, "every moment"
     assert drawn
     assert (np.diff(drawn) >= UNWATCHED_FRAME).all()
+
+
+def test_two_dashboards_of_one_run_show_the_same_and_both_may_ask() -> None:
+    hub = MemoryHub()
+    world = hub.join("x")
+    world.serve(topics.control("x"))
+    world.serve(topics.question("x"))
+    world.announce(topics.state("x"))
+    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(exclude_unset=True), "lockstep", {})
+
+    def react(item: Incoming) -> None:
+        assert isinstance(item, Query)
+        if item.key == topics.question("x"):
+            item.answer(encode(setup))
+            return
+        status = "paused" if operation(decode(Request, item.payload)) == Pause() else "running"
+        item.answer(encode(Reply(True)))
+        world.publish(topics.state("x"), state(stamp=2.0, status=status))
+
+    world.react = react
+    served = [server.serve(Guard("127.0.0.1"), 0, "x") for _ in range(2)]
+    pages = [Page(each, hub.join("x")) for each in served]
+    for page in pages:
+        page._feed.source.start()
+    for asked, (wish, label) in enumerate(((Pause(), "PAUSED"), (Start(), "RUNNING"))):
+        pages[asked]._requests._do(wish)
+        end = time.monotonic() + 20.0
+        while {condition(page._feed.now().snapshot).label for page in pages} != {label}:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    for page, each in zip(pages, served, strict=True):
+        page._feed.source.stop()
+        server.stop(each)

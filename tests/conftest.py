@@ -1,7 +1,7 @@
 """What every test may rely on: reproducible examples, without a time limit (a kernel may load on the first).
 
-`./echelon test` runs two at a time: those that watch live runs one after the other, because they watch the clock, and
-beside them the others, file by file.
+`./echelon test` runs those of the page by themselves, because a browser without a graphics card takes both cores. Then it
+runs two at a time: those of live runs one after the other, because they watch the clock, and the others beside them.
 """
 
 from typing import Any
@@ -12,7 +12,7 @@ from hypothesis import settings
 from runtime.precompile import ensure_compiled
 
 LIVE = ("tests/browser/", "tests/processes/")
-"""Folders of tests that watch the clock."""
+"""Folders of tests that watch the clock: they share a worker."""
 
 settings.register_profile("echelon", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.load_profile("echelon")

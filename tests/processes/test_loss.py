@@ -16,8 +16,7 @@ def test_over_udp_what_the_network_loses_is_counted() -> None:
     assert result.whole_after is not None, result
 
 
-@pytest.mark.parametrize("transport", ["quic", "tcp"])
-def test_encrypted_a_formation_lasts(transport: str) -> None:
+def test_encrypted_a_formation_lasts() -> None:
     needs("network namespaces", "nftables")
-    result = measure(transport, LOSS, SECONDS)
+    result = measure("tcp", LOSS, SECONDS)
     assert result.whole_after is not None, result

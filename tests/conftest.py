@@ -1,7 +1,7 @@
 """What every test may rely on: reproducible examples, without a time limit (a kernel may load on the first).
 
-`./echelon test` runs those of the page by themselves, because a browser without a graphics card takes both cores. Then it
-runs two at a time: those of live runs one after the other, because they watch the clock, and the others beside them.
+`./echelon test` runs those of the page by themselves, because a browser without a graphics card takes both cores. Then
+it runs two at a time: those of live runs one after the other, because they watch the clock, the others beside them.
 """
 
 from typing import Any

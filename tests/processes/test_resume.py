@@ -65,7 +65,7 @@ class Watched:
 
 def world_of(folder: Path) -> int:
     """Process id of the run's world."""
-    (world,) = [one for one in processes(folder) if one.cmdline()[:1] == ["echelon test: world"]]
+    (world,) = [one for one in processes(folder) if "echelon test: world" in " ".join(one.cmdline())]
     return int(world.pid)
 
 

@@ -32,7 +32,7 @@ SETTINGS = (
     "faults=[{link='world->2', loss=0.2}, {at=0.04, until=0.1, link='1->2', cut=true}, {link='3->world', loss=0.2}]",
     "link={latency=0.02, jitter=0.01, loss=0.2, corrupt=0.1}",
 )
-EXAMPLES = int(os.environ.get("ECHELON_EXAMPLES", "40"))
+EXAMPLES = int(os.environ.get("ECHELON_EXAMPLES", "20"))
 """Of each law; tried with 1000 too."""
 
 

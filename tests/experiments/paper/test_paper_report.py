@@ -77,7 +77,7 @@ ARGUMENTS = ["paper", "--seeds", "1", "--duration", "1500ms", "--json"]
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("end", [signal.SIGKILL])
 def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(made: Any, tmp_path: Any, end: Any) -> None:
     arguments = [*ARGUMENTS, "--out", str(tmp_path), "--workers", "2"]
     kill_after(arguments, tmp_path, 2, end)

@@ -28,7 +28,7 @@ def test_every_key_that_the_page_binds_is_in_the_help_and_no_other(page: Page) -
     for name, key in bound.items():
         assert any(found == key and what.startswith(name) for found, what in shown)
     for one in (*DRIVING.values(), *HANDLE.values()):
-        assert (one.shown, one.meaning) in shown
+        assert (one.shown, one.meaning) in shown  # type: ignore[attr-defined]
     assert HELP in {key for key, _ in shown}
 
 

@@ -99,7 +99,7 @@ def test_two_dashboards_of_one_run_show_the_same_and_both_may_ask() -> None:
     for page in pages:
         page._feed.source.start()
     for asked, (wish, label) in enumerate(((Pause(), "PAUSED"), (Start(), "RUNNING"))):
-        pages[asked]._requests._do(wish)
+        pages[asked]._requests._do(wish)  # type: ignore[arg-type]
         end = time.monotonic() + 20.0
         while {condition(page._feed.now().snapshot).label for page in pages} != {label}:
             assert time.monotonic() < end

@@ -88,7 +88,7 @@ class _Unpickler(pickle.Unpickler):
 def _member(kind: object, name: str) -> Enum:
     """The member of an enumeration, and no other attribute of anything."""
     if isinstance(kind, EnumMeta):
-        return kind[name]  # type: ignore[no-any-return]
+        return kind[name]
     raise pickle.UnpicklingError(f"an attribute {name} is not part of a run")
 
 

@@ -16,7 +16,7 @@ import zenoh
 
 from formation.errors import EchelonError
 from network import control, topics
-from network.access.keys import LOCAL, Keys, check, protocol, refusal
+from network.access.keys import LOCAL, Keys, check, protocol
 from network.access.rules import access_list
 from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
@@ -108,6 +108,8 @@ class ZenohBus(Bus):
         try:
             return zenoh.open(client_config(endpoint, keys=keys, patience=REFUSAL_SECONDS))
         except zenoh.ZError:
+            from network.access.refusal import refusal  # noqa: PLC0415  slow, and seldom wanted
+
             reason = refusal(endpoint, keys)
             if reason is not None:
                 raise EchelonError(reason) from None

@@ -6,8 +6,6 @@ What a role may do is network/access/rules.py.
 """
 
 import contextlib
-import socket
-import ssl
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,8 +22,6 @@ LOCAL = "unixsock-stream"
 """Protocol of the endpoint in a run's private folder."""
 PORT = 7447
 """Where a router listens on a network, unless told otherwise."""
-HANDSHAKE_SECONDS = 2.0
-"""Time limit for a handshake that finds out why a connection is refused [s]."""
 
 
 def common_name(role: Role, number: int = 0) -> str:
@@ -69,14 +65,6 @@ class Keys:
             f"{end}_private_key": str(self.key),
         }
 
-    def context(self) -> ssl.SSLContext:
-        """The same for Python's own TLS, as a client."""
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        context.check_hostname = False
-        context.load_verify_locations(self.authority)
-        context.load_cert_chain(self.certificate, self.key)
-        return context
-
 
 def protocol(endpoint: str) -> str:
     """The part of an endpoint before its first slash."""
@@ -116,26 +104,3 @@ def host_and_port(text: str, default: int = PORT) -> tuple[str, int]:
 def address(host: str, port: int) -> str:
     """HOST:PORT as endpoints have it."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
-def refusal(endpoint: str, keys: Keys) -> str | None:
-    """Why the router at an endpoint refuses these keys, or is refused for its own; None if that is not the reason.
-
-    Zenoh itself only says that time is over. A router with QUIC listens with TLS at the same port.
-    """
-    host, port = host_and_port(endpoint.split("/", 1)[1].split("?", maxsplit=1)[0])
-    try:
-        with (
-            socket.create_connection((host, port), HANDSHAKE_SECONDS) as plain,
-            keys.context().wrap_socket(plain) as secured,
-        ):
-            secured.settimeout(HANDSHAKE_SECONDS)
-            secured.recv(1)  # what is refused is refused now, with TLS 1.3
-    except ssl.SSLCertVerificationError:
-        return f"what answers at {endpoint} is not the router of the run that these keys are for"
-    except ssl.SSLError as error:
-        if "ALERT" in (error.reason or ""):
-            return f"the router at {endpoint} refuses these keys: they are of another run"
-    except OSError:
-        pass
-    return None

@@ -11,9 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from api.intervening import Intervening
 from api.result import Result
 from api.scenarios import load, tell
-from formation.disturbances import Kind
 from formation.errors import EchelonError
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
@@ -31,7 +31,7 @@ START_SECONDS = 60.0
 """Longest wait for the world's first state [s]."""
 
 
-class Run:
+class Run(Intervening):
     """A live run. Use it as a context manager: leaving it ends its processes."""
 
     def __init__(self, live: LiveRun, scenario: Scenario, name: str) -> None:
@@ -135,40 +135,6 @@ class Run:
         """Drive the centre of such a formation to a point [m], and stop there. Raises EchelonError."""
         self._ask(control.operation(Request("goto", {"x": x, "y": y})))
 
-    def push(self, robot: int, kind: Kind, *, seconds: float | None = None) -> None:
-        """Disturb a robot's body from the next tick on: gust, slow, stuck, slippery or blind.
-
-        Args:
-            robot: its number, from 1.
-            kind: of the disturbance.
-            seconds: for how long [s]; until `release`, if None.
-
-        Raises:
-            EchelonError: there is no such robot or kind.
-        """
-        self._ask(control.operation(Request("push", {"robot": robot, "kind": kind, "seconds": seconds})))
-
-    def move(self, robot: int, dx: float, dy: float) -> None:
-        """Take a robot and carry it aside by (dx, dy) [m] within half a second. Raises EchelonError."""
-        self._ask(control.operation(Request("move", {"robot": robot, "dx": dx, "dy": dy})))
-
-    def release(self, robot: int | None = None) -> None:
-        """End what disturbs a robot, or all of them. Raises EchelonError."""
-        self._ask(control.operation(Request("release", {"robot": robot})))
-
-    def reshape(self, shape: str | None = None, *, spacing: float | None = None, over: float | None = None) -> None:
-        """Change the shape, the spacing, or both, from the next tick on.
-
-        Args:
-            shape: such as "line"; it stays, if None.
-            spacing: between neighbours [m]; it stays, if None.
-            over: how long the change takes [s]; derived from the path's speed, if None.
-
-        Raises:
-            EchelonError: this formation cannot take it.
-        """
-        self._ask(control.operation(Request("shape", {"shape": shape, "spacing": spacing, "over": over})))
-
     def start(self) -> None:
         """Start, or continue."""
         self._ask(control.Start())
@@ -189,6 +155,9 @@ class Run:
             for name, shape in (("poses", (-1, n, 3)), ("inputs", (-1, n, 2)), ("ages", (-1, n)))
         }
         return Result(self.scenario, summary=summary, **arrays)
+
+    def _intervene(self, operation: Operation) -> None:
+        self._ask(operation)
 
     def _ask(self, operation: Operation) -> dict[str, Any]:
         reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)

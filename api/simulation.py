@@ -5,22 +5,21 @@ from time import perf_counter
 from typing import Any
 
 from agents.controllers.interface import Observation
+from api.intervening import Intervening
 from api.result import Result
 from api.scenarios import load, tell
-from formation.disturbances import Kind
 from formation.errors import EchelonError
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
-from network import control
+from network.control import Operation
 from network.messages import State
-from network.requests import Request
 from runtime.inprocess import Simulation as Engine
 from runtime.precompile import ensure_compiled
 
 PROGRESS_TICKS = 50
 
 
-class Simulation:
+class Simulation(Intervening):
     """An episode, tick by tick, with faults and observations from outside.
 
     Example:
@@ -105,41 +104,7 @@ class Simulation:
         """Remove what was set on a link from the next tick on. Raises FaultError."""
         self._engine.world.clear_faults(str(link))
 
-    def push(self, robot: int, kind: Kind, *, seconds: float | None = None) -> None:
-        """Disturb a robot's body from the next tick on.
-
-        Args:
-            robot: its number, from 1.
-            kind: gust, slow, stuck, slippery or blind.
-            seconds: for how long [s]; until `release`, if None.
-
-        Raises:
-            EchelonError: there is no such robot or kind.
-        """
-        self._obey(control.operation(Request("push", {"robot": robot, "kind": kind, "seconds": seconds})))
-
-    def move(self, robot: int, dx: float, dy: float) -> None:
-        """Take a robot and carry it aside by (dx, dy) [m] within half a second. Raises EchelonError."""
-        self._obey(control.operation(Request("move", {"robot": robot, "dx": dx, "dy": dy})))
-
-    def release(self, robot: int | None = None) -> None:
-        """End what disturbs a robot, or all of them. Raises EchelonError."""
-        self._obey(control.operation(Request("release", {"robot": robot})))
-
-    def reshape(self, shape: str | None = None, *, spacing: float | None = None, over: float | None = None) -> None:
-        """Change the shape, the spacing, or both, from the next tick on.
-
-        Args:
-            shape: such as "line"; it stays, if None.
-            spacing: between neighbours [m]; it stays, if None.
-            over: how long the change takes [s]; derived from the path's speed, if None.
-
-        Raises:
-            EchelonError: this formation cannot take it.
-        """
-        self._obey(control.operation(Request("shape", {"shape": shape, "spacing": spacing, "over": over})))
-
-    def _obey(self, operation: control.Operation) -> None:
+    def _intervene(self, operation: Operation) -> None:
         self._engine.world.intervene(operation)
 
     def result(self, *, warmup: float = 0.0) -> Result:

@@ -54,6 +54,9 @@ class Ledger:
         self.count = 0
         """Excursions so far, with those that go on."""
         self._n = scenario.size
+        self._before = np.arange(self._n) - 1
+        """Row of the robot upstream."""
+        self._square_limit = self.limit * self.limit
         self._horizon = scenario.controller.horizon * scenario.controller.prediction_interval
         self._open: dict[int, Excursion] = {}
         self._below: dict[int, float] = {}
@@ -102,13 +105,13 @@ class Ledger:
         off = poses[:, :2] - slots[:, :2]
         for robot in away:
             off[robot - 1] = off[upstream(robot, self._n, away) - 1]
-        gap = off - np.concatenate([off[-1:], off[:-1]])
-        square = gap[:, 0] ** 2 + gap[:, 1] ** 2
-        above = square > self.limit * self.limit
-        if not above.any():
+        gap = off - off.take(self._before, axis=0)
+        square = (gap * gap).sum(axis=1)
+        if square.max() <= self._square_limit:
             self._settled[:] = True
             if not self._open:
                 return []
+        above = square > self._square_limit
         self._settled |= ~above
         return self._update(now, np.sqrt(square * self._settled).tolist())
 

@@ -105,6 +105,11 @@ class Fields:
         """An array of any length."""
         return self.array(code, self.get("I"))
 
+    def header(self) -> tuple[int, str]:
+        """A std_msgs/Header: its time [ns] and its frame."""
+        seconds, rest = self.get("i"), self.get("I")
+        return seconds * 10**9 + rest, self.text()
+
     def text(self) -> str:
         """A string."""
         return self.octets()[:-1].decode()

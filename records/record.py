@@ -148,7 +148,7 @@ def _take(episode: RecordedEpisode, message: Message) -> None:
             for row in range(len(poses)):
                 episode.poses[first + row], episode.inputs[first + row] = poses[row], inputs[row]
         case "Odometry":
-            _header(fields)
+            fields.header()
             robot = int(fields.text().removeprefix("robot"))
             x, y, _, _, _, sine, cosine = fields.array("d", 7)
             fields.array("d", 36)
@@ -156,13 +156,6 @@ def _take(episode: RecordedEpisode, message: Message) -> None:
             theta = 2.0 * math.atan2(sine, cosine)
             episode.shown[message.time, robot] = (x, y, math.remainder(theta, math.tau), twist[0], twist[5])
         case "Metrics":
-            _header(fields)
+            fields.header()
             tracking = float(fields.get("d"))
             episode.errors[message.time] = (tracking, np.array(fields.sequence("d")), np.array(fields.sequence("d")))
-
-
-def _header(fields: Fields) -> None:
-    """Past a std_msgs/Header."""
-    fields.get("i")
-    fields.get("I")
-    fields.text()

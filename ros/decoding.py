@@ -65,7 +65,7 @@ class PoseReader:
         if self._kind in TURTLE_POSES:
             x, y, theta, v, omega = fields.array("f", 5).tolist()
             return Located(Place(x, y, math.remainder(theta, math.tau)), (v, omega))
-        _skip_header(fields)
+        fields.header()
         if self._kind == ODOMETRY:
             fields.text()
         place = _place(fields)
@@ -78,7 +78,7 @@ class PoseReader:
     def _transforms(self, fields: Fields) -> Located | None:
         moved = False
         for _ in range(min(fields.get("I"), MAX_TRANSFORMS)):
-            parent = _skip_header(fields)
+            _, parent = fields.header()
             child = fields.text().strip("/")
             if child in self._parents or len(self._parents) < MAX_TRANSFORMS:
                 self._parents[child] = parent.strip("/"), _place(fields)
@@ -97,13 +97,6 @@ class PoseReader:
             frame, own = self._parents[frame]
             place = own.then(place)
         return None
-
-
-def _skip_header(fields: Fields) -> str:
-    """Past a header; its frame."""
-    fields.get("i")
-    fields.get("I")
-    return fields.text()
 
 
 def _place(fields: Fields) -> Place:

@@ -5,10 +5,11 @@ last. Damage is passed over, as `echelon recording repair` does it.
 """
 
 import json
+import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
@@ -25,14 +26,15 @@ from formation.scenario.user_code import UserCode
 from network.messages import Plan, State, Status
 from network.values import Believed, Event, LinkCounts
 from records.cdr import Fields
+from records.messages import LEVELS
 from records.scanning import Message, Note, scan
 
 EVENTS = 40
 """Of a State, the newest."""
 FRESH = 0.25
 """An age below this is taken to stay as it was until the next status; beyond, the link is silent and it grows [s]."""
-SEVERITIES = {20: "info", 30: "warning", 40: "error"}
-KINDS = ("run", "fault", "agent", "watchdog", "contact", "avoidance", "wire", "drive")
+SEVERITIES = {level: name for name, level in LEVELS.items()}
+KINDS = get_args(get_type_hints(Event)["kind"])
 ROW_NS = 95_000_000
 """Time between two rows, at least [ns]: the page keeps ten a second."""
 SMALL = 1e-6
@@ -126,7 +128,7 @@ def _take(known: _Known, message: Message) -> None:
             known.events.append(Event(number, max(stamp, 0.0), kind, text, severity))  # type: ignore[arg-type]
             del known.events[:-EVENTS]
         case "contacts":
-            _header(fields)
+            fields.header()
             _, gap = fields.get("d"), fields.get("d")
             known.gap = gap if known.gap == 0.0 else min(known.gap, gap)
         case "orders":
@@ -150,11 +152,11 @@ def _order(known: _Known, kind: str, value: dict[str, Any]) -> None:
 def _path(data: bytes, begins: int) -> tuple[float, FloatArray] | None:
     """When a nav_msgs/Path begins [s], and its poses (N + 1, 3); None if it is none of ours."""
     fields = Fields(data)
-    _header(fields)
+    fields.header()
     count = fields.get("I")
     if count < 2 or len(data) != _FIRST_POSE + _FRAME_BYTES + _POSE_STRIDE * (count - 1):
         return None
-    first = _header(fields)
+    first, _ = fields.header()
     found = np.ndarray((count, 7), "<f8", data, _FIRST_POSE, (_POSE_STRIDE, 8))
     return (first - begins) * 1e-9, np.column_stack([found[:, :2], 2.0 * np.arctan2(found[:, 5], found[:, 6])])
 
@@ -180,14 +182,14 @@ def _inputs(poses: FloatArray, interval: float) -> FloatArray:
 
 
 def _link(known: _Known, robot: int, fields: Fields, stamp: float) -> None:
-    _header(fields)
+    fields.header()
     fields.text()
     age = fields.get("d")
     sent, delivered, lost, late, corrupt = (fields.get("Q") for _ in range(5))
     solve, gap = fields.get("d"), fields.get("d")
     try:
         way_age, over = fields.get("d"), bool(fields.get("B"))
-    except Exception:
+    except struct.error:  # a record of before these were in it
         way_age, over = 0.0, False
     n = known.scenario.size
     if not 1 <= robot <= n:
@@ -214,13 +216,6 @@ def _link(known: _Known, robot: int, fields: Fields, stamp: float) -> None:
     known.statuses[robot] = stamp, status
 
 
-def _header(fields: Fields) -> int:
-    """Past a std_msgs/Header; its time [ns]."""
-    seconds, rest = fields.get("i"), fields.get("I")
-    fields.text()
-    return int(seconds) * 10**9 + int(rest)
-
-
 class _Frames:
     """Reads tf2_msgs/TFMessages that have the same frames again and again."""
 
@@ -242,7 +237,7 @@ class _Frames:
         fields, starts = Fields(data), []
         self._names = []
         for _ in range(fields.get("I")):
-            _header(fields)
+            fields.header()
             self._names.append(fields.text())
             fields.array("d", 7)
             starts.append(fields.at - _FRAME_BYTES)

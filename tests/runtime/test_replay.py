@@ -95,3 +95,12 @@ def test_what_is_no_record_is_refused_in_one_line(tmp_path: Path, content: bytes
     with pytest.raises(EchelonError, match="expected") as refused:
         next(rows(path))
     assert "\n" not in str(refused.value)
+
+
+def test_events_are_of_the_kind_that_they_were(tmp_path: Path) -> None:
+    path = tmp_path / "pushed.mcap"
+    simulation = record(path, scenario("disturbances=[{robot=2, at=0.5, until=1, drift=[0.5, 0, 0]}]"))
+    *_, last = rows(path)
+    happened = [(event.kind, event.text) for event in simulation.world.events]
+    assert {"push", "excursion", "fault"} <= {kind for kind, _ in happened}
+    assert [(event.kind, event.text) for event in last.state.events] == happened[: len(last.state.events)]

@@ -96,7 +96,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"types"},
         {"tokens", "decoding"},
         {"session", "spec"},
-        {"survey"},
+        {"survey", "connecting"},
         {"readiness", "body", "display"},
     ],
     "dashboard": [

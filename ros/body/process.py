@@ -3,7 +3,6 @@
 Whatever ends, the robot is told to stand: the process, the run, the link to either.
 """
 
-import logging
 from queue import Empty, SimpleQueue
 from time import monotonic, sleep, time_ns
 
@@ -18,6 +17,7 @@ from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 from records.messages import twist, twist_stamped
 from ros.body.node import STILL, BodyNode
+from ros.connecting import AGAIN_SECONDS, sessions, tell_once
 from ros.session import RosPublisher, RosSession
 from ros.spec import RobotSpec
 from ros.survey import Chosen, choose, robots_of
@@ -25,8 +25,6 @@ from ros.types import TWIST
 
 WAIT_SECONDS = 0.01
 """Longest wait for what the world says [s]."""
-AGAIN_SECONDS = 1.0
-"""Between two attempts to find the robot [s]."""
 LOST_SECONDS = 0.5
 """Without a pose for so long its topics are looked for again: it may have come back as another one [s]."""
 LAST_ZEROS, LAST_PAUSE = 3, 0.02
@@ -75,23 +73,8 @@ def run(bus: Bus, spec: RobotSpec, lifetime: Lifetime) -> None:
     bus.subscribe(topics.body_input(bus.run, spec.number))
     bus.announce(topics.body_pose(bus.run, spec.number))
     bus.appear("body", spec.number)
-    told = ""
-    while not lifetime.over:
-        try:
-            session = RosSession(spec.endpoint, f"echelon_{spec.number}", domain=spec.domain)
-        except EchelonError as error:
-            told = _told(error, told)
-            bus.arrivals(AGAIN_SECONDS)
-            continue
-        with session:
-            _drive(bus, session, spec, lifetime)
-
-
-def _told(error: EchelonError, before: str) -> str:
-    """Log what is wrong, once: it may stay so for long. Returns the text, or what was told before."""
-    if str(error) != before:
-        logging.getLogger("echelon").warning("%s", error)
-    return str(error)
+    for session in sessions(bus, spec.endpoint, f"echelon_{spec.number}", spec.domain, lifetime):
+        _drive(bus, session, spec, lifetime)
 
 
 def _drive(bus: Bus, session: RosSession, spec: RobotSpec, lifetime: Lifetime) -> None:
@@ -106,7 +89,7 @@ def _drive(bus: Bus, session: RosSession, spec: RobotSpec, lifetime: Lifetime) -
                     robot = _found(session, spec, robot)
                     node.begin(robot.chosen.pose.type)
                 except EchelonError as error:
-                    told = _told(error, told)
+                    told = tell_once(error, told)
             _hear(bus, node, log)
             if robot is None:
                 continue

@@ -1,11 +1,10 @@
 """The process that shows a run to ROS 2: it listens on the run's bus, and publishes on a session of its own only."""
 
 import json
-import logging
 from collections.abc import Iterable
 from time import monotonic, time_ns
 
-from formation.errors import EchelonError, ScenarioError, WireError
+from formation.errors import ScenarioError, WireError
 from formation.scenario.files import parse
 from formation.scenario.registry import register_unloaded
 from network import topics
@@ -15,12 +14,11 @@ from network.lifetime import Lifetime
 from network.messages import Command, State, Status
 from network.throttled_log import ThrottledLog
 from ros import tokens
+from ros.connecting import AGAIN_SECONDS, sessions
 from ros.display.node import POSE_SECONDS, DisplayNode
 from ros.session import RosPublisher, RosSession
 from ros.types import HASHES, NO_HASH
 
-AGAIN_SECONDS = 1.0
-"""Between two attempts to reach their router, or to ask for the scenario [s]."""
 KEPT = 256
 """Commands that wait to be read, at most."""
 NODE = "echelon"
@@ -32,18 +30,9 @@ def run(bus: Bus, endpoint: str, domain: int, real: Iterable[int], lifetime: Lif
     bus.subscribe(topics.status(bus.run, "*"))
     commands = bus.keep(topics.command(bus.run, "*"), KEPT)
     bus.appear("display")
-    told, node = "", DisplayNode(real)
-    while not lifetime.over:
-        try:
-            session = RosSession(endpoint, NODE, domain=domain)
-        except EchelonError as error:
-            if str(error) != told:
-                logging.getLogger("echelon").warning("%s", error)
-            told = str(error)
-            bus.arrivals(AGAIN_SECONDS)
-            continue
-        with session:
-            _show(bus, commands, node, _Publishers(session), lifetime)
+    node = DisplayNode(real)
+    for session in sessions(bus, endpoint, NODE, domain, lifetime):
+        _show(bus, commands, node, _Publishers(session), lifetime)
 
 
 class _Publishers:

@@ -1,9 +1,10 @@
 """What every test may rely on: reproducible examples, without a time limit (a kernel may load on the first).
 
-`./echelon test` runs those of the page by themselves, because a browser without a graphics card takes both cores. Then
-it runs two at a time: those of live runs one after the other, because they watch the clock, the others beside them.
+`./echelon test` runs three at a time: those of the page one by one, those of live runs one by one, and the others file
+by file. Who watches the clock goes before: a browser without a graphics card wants both cores.
 """
 
+import os
 from typing import Any
 
 import pytest
@@ -11,8 +12,9 @@ from hypothesis import settings
 
 from runtime.precompile import ensure_compiled
 
-LIVE = ("tests/browser/", "tests/processes/")
-"""Folders of tests that watch the clock: they share a worker."""
+GIVES_WAY = {"tests/browser": 0, "tests/processes": 5}
+"""Folders of tests that watch the clock, each with a worker of its own and how nice that is; the first goes before."""
+OTHERS_GIVE_WAY = 10
 
 settings.register_profile("echelon", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.load_profile("echelon")
@@ -26,7 +28,7 @@ def pytest_xdist_setupnodes() -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Gives a worker one file after the other, and all files of live runs as if they were one."""
+    """Gives a worker one file after the other; a folder of GIVES_WAY is as one file."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):  # type: ignore[misc]
@@ -37,9 +39,15 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def group_of(file: str) -> str:
-    return "live" if file.startswith(LIVE) else file
+    return next((folder for folder in GIVES_WAY if file.startswith(folder + "/")), file)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Live runs first: they take as long as all the rest."""
-    items.sort(key=lambda item: group_of(item.location[0]) != "live")
+    """The longest first."""
+    order = {folder: rank for rank, folder in enumerate(GIVES_WAY)}
+    items.sort(key=lambda item: order.get(group_of(item.location[0]), len(order)))
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        os.nice(max(0, GIVES_WAY.get(group_of(item.location[0]), OTHERS_GIVE_WAY) - os.nice(0)))

@@ -206,7 +206,7 @@ def accepts(control: Any, value: object) -> bool:
 
 def _is_typed(message: Any) -> bool:
     """Whether every field has a value of its type; numbers are finite and no larger than anything on a page."""
-    return all(_matches(hint, getattr(message, name, None)) for name, hint in _hints(type(message)).items())
+    return all(_matches(hint, getattr(message, name, None)) for name, hint in _hints(message.__class__).items())
 
 
 @functools.cache

@@ -156,8 +156,8 @@ class AgentNode:
         check(tick, scenario)
         self._repeated |= setup.mode == "lockstep" and tick.seq == self._newest[1]
         if tick.seq < self._newest[1] or tick.revision < setup.revision:
-            if tick.seq > self._newest[1]:  # the Setup is ahead of the world, or never was the world's
-                self._unknown = tick
+            if tick.seq > self._answered and tick.seq >= self._newest[1]:
+                self._unknown = tick  # the Setup is ahead of the world, or never was the world's
             return
         self._newest = tick.episode, tick.seq, tick.stamp
         if tick.seq > self._answered and self._agent is not None:

@@ -53,6 +53,18 @@ def test_a_setup_that_was_never_the_worlds_is_given_up_for_the_worlds() -> None:
     assert commands(actions) >= 1
 
 
+def test_a_false_setup_asked_for_by_the_tick_that_the_world_waits_with_is_given_up_too() -> None:
+    node = AgentNode("x", 1)
+    world, _ = world_with(node)
+    waits = Sample(topics.tick("x"), encode(replace(world.tick(), revision=1)))
+    true = replace(world.setup(), revision=1)
+    node.feed([waits], 0.2)
+    node.feed([response(replace(true, revision=10**6, stamp=1e6))], 0.3)
+    actions = node.feed([waits], 1.0)  # the world repeats it, for it lacks an answer
+    assert [action.request.operation for action in actions if isinstance(action, Ask)] == ["setup"]
+    assert commands(node.feed([response(true)], 1.1) + node.feed([waits], 1.2)) >= 1
+
+
 def test_an_older_setup_that_arrives_late_changes_nothing() -> None:
     node = AgentNode("x", 1)
     world, _ = world_with(node)

@@ -26,8 +26,9 @@ FLAGS = (
 """docs/design.md, section 10: without a graphics card, other choices stall the page."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> "Iterator[Browser]":
+    """One for these tests only: Playwright's event loop would be in the way of tests that bring their own."""
     needs("playwright", "chromium")
     from playwright.sync_api import sync_playwright
 

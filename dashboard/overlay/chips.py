@@ -14,6 +14,9 @@ from network.messages import Status
 MOST = 10
 """Chips at once; the first are the most important."""
 
+COUNTED = 6
+"""Of a formation that is driven, at most so many robots have a chip with their hops while all is well."""
+
 
 class Chip(NamedTuple):
     """A few words at a place in the scene."""
@@ -59,6 +62,9 @@ def _ways(statuses: Mapping[int, Status], n: int, *, driven: bool) -> list[Chip]
     """Who knows the path, and whose knowledge is old."""
     found = [Chip("knows", "/bodies", 0, (hue(1, n),), "driven" if driven else "knows the path", "", "")]
     for robot, status in sorted(statuses.items()):
+        if driven and 1 < robot <= n <= COUNTED and status.way_age <= LOST_SECONDS:
+            age, hops = " ".join(duration(status.way_age)), f"{robot - 1} hop{'s' if robot > 2 else ''}"
+            found.append(Chip(f"way {robot}", "/bodies", robot - 1, (hue(robot, n),), age, hops, "ok"))
         if robot > 1 and status.way_age > LOST_SECONDS:
             age = " ".join(duration(status.way_age))
             colour = "bad" if status.lost else "warn"

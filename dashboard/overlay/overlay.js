@@ -35,9 +35,9 @@
     Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, words + "," + (++told));
     input.dispatchEvent(new Event("input", {bubbles: true}));
   }
-  const modules = [];  // of the parts below: {take(), place(project, area)}
+  const modules = [], ends = [];  // of the parts below: {take()} now and then, and what is done when the script is replaced
   const tables = "TABLES";  // of keys and signs, and the help: the script is sent with them in this place
-  window.__echelonParts = {root, changed, value, tell, modules, tables, redraw: () => { dirty = true; }};
+  window.__echelonParts = {root, changed, value, tell, modules, ends, tables, redraw: () => { dirty = true; }};
 
   // ---- status line
   function statusLine(now) {
@@ -193,7 +193,7 @@
     dirty = true;
   }
   function look(now) {
-    for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound"])
+    for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound", "drive"])
       if (!source(name)) sources[name] = document.querySelector(`[data-part="${name}"]`);
     const found = changed("config");
     if (found) { config = value(found) || config; dirty = true; }
@@ -229,6 +229,7 @@
   window.__echelonOverlay = function () {
     clearInterval(timer);
     if (hooked) hooked.onAfterRender = () => {};
+    ends.forEach(end => end());
     root.remove();
     window.__echelonOverlay = null;
   };

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.run_summary import lag, robot_label
+from dashboard.panels.hops import robot_label
+from dashboard.panels.run_summary import lag
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration

@@ -105,7 +105,7 @@ class RunPanel:
         """Show the state of the run: numbers of the moment that is looked at, controls as they are now."""
         record, playhead = not self._feed.source.live, self._feed.playhead
         shown = RECORD if record else REWOUND if view.place is not None else None
-        set_if_changed(self._summary, "content", run_summary(view.snapshot, view.links, shown))
+        set_if_changed(self._summary, "content", run_summary(view.snapshot, view.links, view.beliefs, shown))
         snapshot, state = live.snapshot, live.snapshot.state
         if state is None:
             return

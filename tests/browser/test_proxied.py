@@ -62,7 +62,7 @@ def driven(browser: "Browser", shown: tuple[Page, str]) -> Iterator[Driven]:
 def test_a_page_behind_a_path_prefix_shows_robots_and_asks_nothing_outside_of_it(
     driven: Driven, shown: tuple[Page, str]
 ) -> None:
-    driven.wait_text("DIST ERR")
+    driven.wait_text("FORMATION")
     assert driven.page.url.startswith(f"{shown[1]}/index.html?fixedDpr=1")
     assert SECRET not in driven.page.url
     outside = [url for url in driven.requests if not url.startswith((shown[1] + "/", "data:", "blob:"))]

@@ -3,7 +3,7 @@
   // and the camera, from viser's client. They are placed right after a frame is drawn, from what was drawn: the newest
   // message may be a frame ahead. Nothing is placed while nothing has changed.
   if (window.__echelonOverlay) window.__echelonOverlay();
-  const LEAST = 26, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
+  const LEAST = 26, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
   const SCALED = ["/bodies", "/outlines", "/believed", "/heads", "/slots", "/ghosts", "/told"];
   const root = document.createElement("div");
   root.id = "e-overlay";
@@ -165,13 +165,16 @@
       chip.element.style.transform = `translate(${b.x.toFixed(1)}px,${b.y.toFixed(1)}px)`;
     }
   }
-  function placeNumbers(count, project) {
-    const taken = [];
+  function placeNumbers(count, project, area) {
+    const taken = [], first = count > CROWD ? project("/bodies", 0) : null;
+    const near = first && config.length * first.perMetre > LEAST;  // else they would lie on one another
     for (let i = 0; i < Math.max(count, numbers.length); i++) {
-      const at = i < count ? project("/bodies", i) : null;
+      const at = i < count && (count <= CROWD || near) ? project("/bodies", i) : null;
+      const inside = at && at.x > -20 && at.y > -20 && at.x < area.width + 20 && at.y < area.height + 20;
+      if (!inside && !numbers[i]) continue;  // of a crowd a page makes what it shows
       const made = number(i);
-      made.style.visibility = at ? "visible" : "hidden";
-      if (!at) continue;
+      if (made.shown !== inside) made.style.visibility = (made.shown = inside) ? "visible" : "hidden";
+      if (!inside) continue;
       const digit = Math.min(MOST_DIGIT, Math.max(LEAST_DIGIT, config.digit * at.perMetre)) * (i < 9 ? 1 : 0.8);
       const size = Math.max(LEAST, config.length * at.perMetre) * 0.55;
       made.style.transform = `translate(${at.x.toFixed(1)}px,${at.y.toFixed(1)}px) translate(-50%,-50%)`;
@@ -208,7 +211,7 @@
     if (!bodies) return;
     const project = projection(viewer, area), first = project("/bodies", 0);
     if (first) rescale(viewer, tree, first.perMetre);
-    placeChips(project, area, placeNumbers(bodies.count, project));
+    placeChips(project, area, placeNumbers(bodies.count, project, area));
     dirty = false;
   }
   function guarded(what) {

@@ -17,6 +17,10 @@ BUTTONS = {"kill": "bad", "restart": "muted"}
 """Buttons of a row and their colours; of an agent that was killed, restart alone, in green."""
 
 
+MOST = 64
+"""With more robots those that need a look are shown, and of the others the first."""
+
+
 class Row(NamedTuple):
     """One robot."""
 
@@ -48,7 +52,11 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     state = snapshot.state
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
     rows = [_row(state, i, snapshot.statuses.get(i), links[i - 2]) for i in robots if state is not None]
-    return render("panels/robot_table.html", rows=rows, clickable=clickable, noise=snapshot.noise)
+    left_out = max(0, len(rows) - MOST)
+    if left_out:
+        worst = sorted(rows, key=lambda row: -max(row.level, row.link.level))[:MOST]
+        rows = sorted(worst, key=lambda row: row.robot)
+    return render("panels/robot_table.html", rows=rows, left_out=left_out, clickable=clickable, noise=snapshot.noise)
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row:

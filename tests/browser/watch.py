@@ -1,4 +1,4 @@
-"""What a test sees of a run beside its page: one session for all questions, since opening one takes longer than most."""
+"""What a test sees of a run beside its page, over one session: to open one takes longer than to ask."""
 
 import time
 from typing import Self

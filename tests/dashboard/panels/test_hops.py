@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 from dashboard.page import Page
@@ -18,8 +17,7 @@ from tests.builders import state, status
 
 def of(page: Page, robots: int, scenario: str, ages: dict[int, float], **changes: object) -> Snapshot:
     statuses: dict[int, Status] = {i: status(i, robots if i == 1 else i - 1, way_age=age) for i, age in ages.items()}
-    poses = np.zeros((robots, 3))
-    now = state(poses=poses, slots=poses, live=tuple(range(1, robots + 1)), **changes)
+    now = state(robots, live=tuple(range(1, robots + 1)), **changes)  # type: ignore[arg-type]
     return dataclasses.replace(page._feed.now().snapshot, state=now, scenario=load(scenario), statuses=statuses)
 
 

@@ -3,7 +3,7 @@
   // and the camera, from viser's client. They are placed right after a frame is drawn, from what was drawn: the newest
   // message may be a frame ahead. Nothing is placed while nothing has changed.
   if (window.__echelonOverlay) window.__echelonOverlay();
-  const LEAST = 26, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
+  const LEAST = 26, LEAST_OF_CROWD = 8, LARGEST = 16, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
   const SCALED = ["/bodies", "/outlines", "/believed", "/heads", "/slots", "/ghosts", "/told"];
   const root = document.createElement("div");
   root.id = "e-overlay";
@@ -79,8 +79,9 @@
       return apply(mesh.matrixWorld.elements, m[at + 12], m[at + 13], m[at + 14], 1);
     }};
   }
-  function rescale(viewer, tree, perMetre) {
-    const least = Math.max(1, LEAST / Math.max(1e-6, config.length * perMetre));
+  function rescale(viewer, tree, perMetre, count) {
+    const wanted = count > CROWD ? LEAST_OF_CROWD : LEAST;
+    const least = Math.min(LARGEST, Math.max(1, wanted / Math.max(1e-6, config.length * perMetre)));
     const scale = Math.exp(Math.round(Math.log(least) * 40) / 40);
     for (const name of SCALED) {
       const node = tree[name];
@@ -115,6 +116,7 @@
       if (!made) {
         made = {element: document.createElement("div"), side: 0, html: ""};
         made.element.className = "e-over-chip";
+        made.element.dataset.key = name;
         chips.set(name, made);
         things.appendChild(made.element);
       }
@@ -208,9 +210,9 @@
     const viewer = window.__viserMutable, tree = window.__viserSceneTree.getState(), bodies = drawn(viewer, "/bodies");
     place(viewer.canvas);  // a window may have changed since
     const area = {width: root.clientWidth, height: root.clientHeight};
-    if (!bodies) return;
+    if (!bodies || area.height < 50) return;  // a window that is being laid out
     const project = projection(viewer, area), first = project("/bodies", 0);
-    if (first) rescale(viewer, tree, first.perMetre);
+    if (first) rescale(viewer, tree, first.perMetre, bodies.count);
     placeChips(project, area, placeNumbers(bodies.count, project, area));
     dirty = false;
   }

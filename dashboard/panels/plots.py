@@ -78,8 +78,8 @@ FIRST = (
         limit=1e3 * DISTANCE_LIMIT,
     ),
     Plot(
-        "Age of the newest plan",
-        "ms, up to 3 s",
+        "Age of newest plan",
+        "ms",
         (Curve("age_max", "max", CYAN), Curve("age_mean", "mean", MEAN)),
         floor=100.0,
         limit=1e3 * LOST_SECONDS,

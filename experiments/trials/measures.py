@@ -208,7 +208,7 @@ MEASURES: dict[str, Measure] = {
     "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least distance of two centres"),
     "gap_m": Measure(lambda t: _contacts(t).gap, "m", "least gap of two robots"),
     "contacts": Measure(lambda t: float(_contacts(t).count), "pairs", "pairs that came to touch"),
-    "excursions": Measure(lambda t: float(len(t.excursions)), "1", "excursions of a robot's error"),
+    "excursions": Measure(lambda t: float(len(t.excursions)), "times", "excursions of a robot's error"),
     "excursion_peak_m": Measure(_peak, "m", "largest excursion"),
     "excursion_recovery_s": Measure(_slowest, "s", "longest recovery from an excursion"),
     "recovery_s": Measure(_recovery, "s", "time to recover", of_event=True),

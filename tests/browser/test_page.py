@@ -51,7 +51,7 @@ def page(browser: "Browser", run: BrowserRun) -> Iterator[Driven]:
 def undisturbed(page: Driven) -> Iterator[None]:
     """Every test begins and ends with a running, healthy run."""
     yield
-    page.press("Clear faults")
+    page.press("Clear")
     if page.page.get_by_role("button", name="Start", exact=True).count():
         page.press("Start")
     page.wait_text("No faults", 30.0)

@@ -25,7 +25,7 @@ class Silent:
     def get_render(self, *_: object, **__: object) -> Any:
         self.asked.set()
         assert self.answer.wait(10.0)
-        return np.zeros((10, 10, 3), dtype=np.uint8)
+        return np.zeros((10, 10, 4), dtype=np.uint8)
 
     def send_file_download(self, name: str, *_: object, **__: object) -> None:
         self.files.append(name)

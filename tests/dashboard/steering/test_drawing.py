@@ -63,6 +63,7 @@ def test_clicks_of_the_page_that_draws_are_points_and_the_file_is_sent_to_it(pag
     for corner in [*CORNERS, (5.0, 5.0)]:
         panel.add(1, *corner)
     panel._press("Undo", one)  # type: ignore[arg-type]
+    page._panels_drawn_at = 0.0
     page._frame()
     assert "3 points" in panel._shown.content
     panel._press("Save", other)  # type: ignore[arg-type]

@@ -94,7 +94,14 @@ def test_the_share_of_lost_plans_is_over_all_links() -> None:
     assert measured(("lost_share",), lossy) == {"lost_share": 0.4}
 
 
-ENDINGS = {"1": "_share", "pairs": "contacts", "m/s": "_mps", "1/s": "_per_s", "B/s": "bytes_per_s"}
+ENDINGS = {
+    "1": "_share",
+    "pairs": "contacts",
+    "times": "excursions",
+    "m/s": "_mps",
+    "1/s": "_per_s",
+    "B/s": "bytes_per_s",
+}
 """Of a measure's name, by unit; other units stand there as they are."""
 
 

@@ -22,6 +22,7 @@ Role = Literal[
     "ghost",
     "dashboard",
     "launcher",
+    "keeper",
     "recorder",
     "body",
     "display",

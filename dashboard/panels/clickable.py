@@ -16,6 +16,8 @@ NAMES = {
     "link": "Aim faults at the link from robot {}",
     "both": "Aim faults at both links of robot {}",
     "focus": "Follow robot {}",
+    "leave": "Let robot {} leave the ring",
+    "join": "Let robot {} join the ring",
     "excursion": "Go to this excursion",
 }
 """What a cell of a verb is called for those who do not see the table; other verbs stand before the robot's number."""

@@ -49,8 +49,8 @@ def hops(snapshot: Snapshot, links: list[LinkView]) -> Strip:
     if n > FEW:
         return Strip(_title(told, _driven(snapshot)), _crowd(found, told=told))
     if told:
-        marks = [BROKEN if link.cut or link.lost else ON for link in links[: n - 1]]
-        found = [hop._replace(mark=mark) for hop, mark in zip(found, [*marks, ""], strict=True)]
+        marks = {link.sender: BROKEN if link.cut or link.lost else ON for link in links if link.receiver > link.sender}
+        found = [hop._replace(mark=marks.get(robot, "")) for robot, hop in enumerate(found, 1)]
     return Strip(_title(told, _driven(snapshot)), found)
 
 
@@ -86,12 +86,17 @@ def _hop(snapshot: Snapshot, state: State, robot: int, age: float | None) -> Hop
         text, level = label, 1.0
     elif age is None:
         text, level = "", 0.0
-    elif robot == 1 and not _driven(snapshot):
+    elif robot == _first(state) and not _driven(snapshot):
         text, level = "knows", 0.0
     else:
         text = " ".join(duration(age))
         level = 1.0 if status is not None and status.lost else min(1.0, age / LOST_SECONDS)
     return Hop(hue(robot, n), f"R{robot}", text, level)
+
+
+def _first(state: State) -> int:
+    """Who knows the way: robot 1, or the next if that is away."""
+    return next((robot for robot in range(1, len(state.poses) + 1) if robot not in state.away), 1)
 
 
 def _crowd(found: list[Hop], *, told: bool) -> list[Hop]:

@@ -34,7 +34,8 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
     if left_out:
         worst = sorted(links, key=lambda link: (str(link.id) not in target, -link.level, -(link.age or 0.0)))
         links = sorted(worst[:MOST], key=lambda link: link.sender)
-    both = {i: {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))} for i in numbers}
+    away = snapshot.state.away
+    both = {i: {str(LinkId.plans_to(i, n, away)), str(LinkId.plans_from(i, n, away))} for i in numbers}
     driven = snapshot.scenario is not None and snapshot.scenario.driven
     return render(
         "panels/link_matrix.html",

@@ -33,7 +33,7 @@ class Silent:
 
 def test_forty_pictures_that_nobody_answers_hold_one_thread_and_the_next_file_is_made(page: Page) -> None:
     refused = list[int | None]()
-    page._export._notify = lambda number, *_: refused.append(number)  # type: ignore[assignment]
+    page._export._notify = lambda number, *_: refused.append(number)
     first, others = Silent(0), [Silent(number) for number in range(1, 40)]
     thread = threading.Thread(target=page._export._export, args=("Picture", first))
     thread.start()

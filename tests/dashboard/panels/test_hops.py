@@ -53,7 +53,7 @@ def test_a_crowd_is_counted_and_those_that_need_a_look_come_first(page: Page, do
     robots = 1000
     snapshot = of(page, robots, "triangle-circle", {}, dismissed=tuple(range(1, down + 1)))
     assert snapshot.state is not None
-    now = dataclasses.replace(snapshot.state, live=tuple(range(down + 1, robots + 1)))
+    now = dataclasses.replace(snapshot.state, live=list(range(down + 1, robots + 1)))
     snapshot = dataclasses.replace(snapshot, state=now)
     _, shown = hops(snapshot, ring_links(now, {}))
     assert len(shown) <= MOST + 1

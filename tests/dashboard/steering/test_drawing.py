@@ -55,7 +55,7 @@ class Client:
 def test_clicks_of_the_page_that_draws_are_points_and_the_file_is_sent_to_it(page: Page) -> None:
     panel, one, other = page._steering._drawing, Client(1), Client(2)
     asked = list[Any]()
-    page._requests.ask = lambda operation, _: asked.append(operation)  # type: ignore[method-assign]
+    page._requests.ask = lambda operation, page: asked.append(operation)  # type: ignore[method-assign]
     assert not panel.wants(1)
     panel._press("Draw", one)  # type: ignore[arg-type]
     assert panel.wants(1)

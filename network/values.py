@@ -14,7 +14,7 @@ Mode = Literal["lockstep", "realtime"]
 
 
 STILL: FloatArray = frozen(np.zeros(2))
-NO_POSES, NO_PLACES, NO_SUMS = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4))
+NO_POSES, NO_PLACES, NO_SUMS, NOBODY_SEEN = (frozen(np.zeros((0, columns))) for columns in (3, 2, 4, 3))
 NO_MEASUREMENTS, NO_NEWS, NO_WAY, NO_DRIVE = (frozen(np.zeros((0, columns))) for columns in (9, 4, 6, 11))
 """Nothing, of each shape."""
 

@@ -1,8 +1,8 @@
 """Which agents a host keeps alive, by the world's newest State."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from network.messages import State
 from runtime.process_list import Program
 from runtime.supervisor import Supervisor
@@ -12,16 +12,19 @@ class AgentKeeper:
     """Starts agents that are missing, and ends those that are not wanted."""
 
     def __init__(
-        self, supervisor: Supervisor, agent: Callable[[int], Program], here: frozenset[int] | None = None
+        self,
+        supervisor: Supervisor,
+        agents: Callable[[Iterable[int]], Iterable[Program]],
+        here: frozenset[int] | None = None,
     ) -> None:
         """Without a State yet.
 
         Args:
             supervisor: of this host's processes.
-            agent: of a robot.
+            agents: the processes of some robots' agents.
             here: robots whose agents this host runs; None: all.
         """
-        self._supervisor, self._agent, self._here = supervisor, agent, here
+        self._supervisor, self._agents, self._here = supervisor, agents, here
 
     def keep(self, state: State) -> None:
         """Do as the world wishes: agents of robots of its scenario, but of none that users keep down."""
@@ -32,4 +35,5 @@ class AgentKeeper:
         self._supervisor.keep_down(surplus, f"ended: the scenario has {len(robots)} robots")
         absent = set(state.waiting_for) - set(state.dismissed)
         missing = absent & own - self._supervisor.numbers
-        self._supervisor.start(self._agent(number) for number in sorted(missing))
+        if missing:
+            self._supervisor.start(self._agents(missing))

@@ -1,14 +1,15 @@
 """A run as supervised processes: start them, watch them, end them all and remove what they leave."""
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -22,9 +23,10 @@ from runtime.endings import Endings
 from runtime.hosts.listening import Listening
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
-from runtime.process_list import RunPlan, agent, programs, recorder
+from runtime.process_list import Program, RunPlan, agents, programs, recorder
 from runtime.record_keeper import RecordKeeper
 from runtime.run_registry import Claim
+from runtime.machine.sharing import Sharing
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
 
@@ -47,6 +49,7 @@ class LiveRun:
         tell: Callable[[str], None],
         listening: Listening | None = None,
         here: frozenset[int] | None = None,
+        together: int | None = None,
         **options: Any,
     ) -> None:
         """Without a name or a process yet.
@@ -57,6 +60,7 @@ class LiveRun:
             tell: called with a line for the user.
             listening: for other hosts.
             here: robots whose agents this host runs; None: all.
+            together: agents in a process; None: as many as this machine wants.
             options: of runtime.process_list.RunPlan.
 
         Raises:
@@ -67,6 +71,7 @@ class LiveRun:
         self._name, self._options = name, options
         self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
+        self._sharing = Sharing(tell, together)
         self._endings = Endings()
         self._listening, self._here = listening, here
         self.reception: Reception | None = None
@@ -80,9 +85,9 @@ class LiveRun:
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
-            wanted = programs(self._plan, self._scenario)
+            wanted = programs(self._shared(self._scenario.size), self._scenario)
             check_enough(len(wanted))
-            self._keeper = AgentKeeper(self._supervisor, lambda number: agent(self._plan, number), self._here)
+            self._keeper = AgentKeeper(self._supervisor, self._agents, self._here)
             folder = Path(self._plan.scenarios or ".").absolute()
             self._records = RecordKeeper(self._supervisor, lambda file: recorder(self._plan, file), folder, self._tell)
             self._supervisor.start(wanted)
@@ -112,6 +117,16 @@ class LiveRun:
                 self.reception = Reception(self._listening, self._name, claim.path, self._vacant, self._tell)
                 options["keys"] = str(self.reception.folder)
         return RunPlan(self._name, str(file), claim.endpoint, endpoints, here=self._here, **options)
+
+    def _shared(self, robots: int) -> RunPlan:
+        """The plan of a run of so many robots, of which some may share a process."""
+        here = robots if self._here is None else len(self._here.intersection(range(1, robots + 1)))
+        return replace(self._plan, together=self._sharing.size(here))
+
+    def _agents(self, missing: Iterable[int]) -> list[Program]:
+        """Processes of agents that are missing."""
+        robots = len(self._state.poses) if self._state else self._scenario.size
+        return agents(self._shared(robots), missing)
 
     def _vacant(self) -> set[int]:
         """Robots whose agents are other hosts' to run, and not there."""

@@ -17,7 +17,7 @@ from dashboard.telemetry.snapshot import Snapshot
 from dashboard.telemetry.tape import Tape
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
 from formation.scenario.registry import register_unloaded

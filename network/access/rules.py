@@ -8,7 +8,7 @@ decided when it is signed. Whoever opens the unix socket is the user of this mac
 
 from typing import Any
 
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from network import topics
 from network.access.keys import ENCRYPTED, LOCAL, common_name
 from network.topics import ALIVE, ASKERS, TOPICS, Role

@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from formation.errors import EchelonError
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from network.access.keys import Keys, address, common_name
 from network.access.robot_numbers import spelled
 from network.access.rules import members

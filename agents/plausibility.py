@@ -46,4 +46,4 @@ def check(tick: Tick, scenario: Scenario) -> None:
 def _ascending(numbers: FloatArray, end: int) -> bool:
     """Whether they are whole numbers from 0 on, below `end`, each larger than the one before."""
     whole = not (numbers % 1.0).any()
-    return whole and 0.0 <= numbers[0] and numbers[-1] < end and bool((numbers[1:] > numbers[:-1]).all())
+    return whole and numbers[0] >= 0.0 and numbers[-1] < end and bool((numbers[1:] > numbers[:-1]).all())

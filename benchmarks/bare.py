@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from typing import NamedTuple
 
 import psutil
 
@@ -74,8 +75,11 @@ def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int]) ->
                     bus.send(status, payloads["Status"])
 
 
-def bare_world(endpoint: str, robots: int, seconds: float, sizes: dict[str, int]) -> None:
-    """Send ticks, each once all have answered the last one, and print the rate."""
+def bare_world(endpoint: str, robots: int, seconds: float, interval: float, sizes: dict[str, int]) -> None:
+    """Send ticks, and print how many a second, and which share of the commands was missing at the next one.
+
+    Each tick goes out once all have answered the last one, or with an interval [s] when its time has come.
+    """
     with BareBus(endpoint, RUN) as bus:
         tick, state = topics.tick(RUN), topics.state(RUN)
         bus.announce(tick, reliable=True)
@@ -86,17 +90,19 @@ def bare_world(endpoint: str, robots: int, seconds: float, sizes: dict[str, int]
         sys.stdin.readline()
         payloads = {"Tick": b"\1" * sizes["Tick"], "State": bytes(sizes["State"])}
         commands = {topics.command(RUN, robot) for robot in range(1, robots + 1)}
-        done, shown, began = 0, 0.0, time.perf_counter()
+        done, shown, missing, began = 0, 0.0, 0, time.perf_counter()
         while (now := time.perf_counter()) < began + seconds:
             bus.send(tick, payloads["Tick"])
-            left = robots
-            while left:
-                left -= sum(isinstance(i, Sample) and i.key in commands for i in bus.arrivals(PATIENCE))
             done += 1
+            left, due = robots, began + done * interval
+            while (wait := due - time.perf_counter()) > 0.0 if interval else left:
+                arrived = bus.arrivals(wait if interval else PATIENCE)
+                left -= sum(isinstance(i, Sample) and i.key in commands for i in arrived)
+            missing += max(left, 0)
             if now - shown > STATE_EVERY:
                 bus.send(state, payloads["State"])
                 shown = now
-        print(json.dumps(done / (time.perf_counter() - began)), flush=True)
+        print(json.dumps((done / (time.perf_counter() - began), missing / (done * robots))), flush=True)
         sys.stdin.readline()  # its processor time is read meanwhile; then it is killed
 
 
@@ -127,22 +133,36 @@ def _tell(process: Process) -> None:
     process.stdin.flush()
 
 
-def measure(robots: int, seconds: float, sizes: dict[str, int]) -> tuple[float, float]:
-    """Rate [ticks/s], and processor time of all processes per tick [us]; sizes of the messages by type [bytes]."""
+class Bare(NamedTuple):
+    """Figures of a run without work."""
+
+    rate: float
+    """[ticks/s]."""
+    us: float
+    """Processor time of all processes per tick [us]."""
+    missed: float
+    """Share of the commands that were not there at the next tick."""
+    agent: float
+    """Processor time of an agent, as a share of a core."""
+
+
+def measure(robots: int, seconds: float, sizes: dict[str, int], interval: float = 0.0) -> Bare:
+    """A run of so long; sizes of the messages by type [bytes]; with an interval between ticks [s], or in lockstep."""
     told = json.dumps(sizes)
     with tempfile.TemporaryDirectory(prefix="ech") as folder, ExitStack() as stack:
         endpoint = f"unixsock-stream/{folder}/r"
         router = stack.enter_context(_started("router", endpoint))
-        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), told))
+        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), str(interval), told))
         agents = [
             stack.enter_context(_started("agent", endpoint, str(robot), str(robots), told))
             for robot in range(1, robots + 1)
         ]
         everybody = [router, world, *agents]
-        before = _processor(everybody)
+        before, own = _processor(everybody), _processor(agents)
         _tell(world)
-        rate = float(_read(world))
-        return rate, 1e6 * (_processor(everybody) - before) / (rate * seconds)
+        rate, missed = json.loads(_read(world))
+        spent = _processor(everybody) - before
+        return Bare(rate, 1e6 * spent / (rate * seconds), missed, (_processor(agents) - own) / (seconds * robots))
 
 
 def _processor(processes: list[Process]) -> float:
@@ -157,7 +177,7 @@ def main(role: str, endpoint: str, *words: str) -> None:
     elif role == "agent":
         bare_agent(endpoint, int(words[0]), int(words[1]), json.loads(words[2]))
     else:
-        bare_world(endpoint, int(words[0]), float(words[1]), json.loads(words[2]))
+        bare_world(endpoint, int(words[0]), float(words[1]), float(words[2]), json.loads(words[3]))
 
 
 if __name__ == "__main__":

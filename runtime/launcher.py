@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
-from formation.schema import MAX_ROBOTS
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
+from formation.schema import MAX_ROBOTS
 from network import topics
 from network.bus import Sample
 from network.codec import decode
@@ -21,12 +21,12 @@ from network.zenoh_bus import ZenohBus
 from runtime.agent_keeper import AgentKeeper
 from runtime.endings import Endings
 from runtime.hosts.listening import Listening
+from runtime.machine.sharing import Sharing
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import Program, RunPlan, agents, programs, recorder
 from runtime.record_keeper import RecordKeeper
 from runtime.run_registry import Claim
-from runtime.machine.sharing import Sharing
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
 

@@ -138,7 +138,7 @@ class FaultState:
         self._imposed, self._active = table, None
 
     def since(self, known: int) -> list[tuple[float, Mapping[LinkId, Fault]]]:
-        """The tables of this episode from number `known` on, each with the time of its start [s]: one, or what has room.
+        """The tables of this episode from number `known` on, as many as have room, each with the time of its start [s].
 
         Raises:
             FaultError: they are no longer kept.

@@ -314,8 +314,12 @@ def test_deep_nesting_is_a_wire_error() -> None:
 def test_the_largest_real_messages_fit_by_far() -> None:
     everybody = list(range(1, MAX_ROBOTS + 1))
     seen = np.zeros((MAX_ROBOTS * (CROWD - 1), 3))
-    tick = builders.tick(1, np.zeros((MAX_ROBOTS, 3)), planned=everybody, relatives=np.zeros((MAX_ROBOTS, 2)), seen=seen)
-    state = builders.state(MAX_ROBOTS, faults=dict.fromkeys(every_link(MAX_ROBOTS), Fault(latency=0.123456789, loss=0.3)))
+    tick = builders.tick(
+        1, np.zeros((MAX_ROBOTS, 3)), planned=everybody, relatives=np.zeros((MAX_ROBOTS, 2)), seen=seen
+    )
+    state = builders.state(
+        MAX_ROBOTS, faults=dict.fromkeys(every_link(MAX_ROBOTS), Fault(latency=0.123456789, loss=0.3))
+    )
     plan = dataclasses.replace(PLAN, inputs=np.zeros((100, 2)))
     for message in (tick, state, plan):
         assert len(encode(message)) < MAX_BYTES / 2

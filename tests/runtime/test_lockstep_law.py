@@ -137,9 +137,7 @@ def test_whatever_the_bus_does_the_trajectory_is_that_of_one_process(
     whatever_the_bus_does(weather, history, plan_every, crew)
 
 
-def whatever_the_bus_does(
-    weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...] = ()
-) -> None:
+def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...] = ()) -> None:
     run = MemoryRun(scenario(plan_every), weather, crew=crew)
     play(run, history)
     assert run.finish() == expected(plan_every)

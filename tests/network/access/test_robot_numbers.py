@@ -19,7 +19,9 @@ def test_spelling_is_short() -> None:
     assert spelled({1, 2, 3, 5, 7, 8}) == "1-3,5,7-8"
 
 
-@pytest.mark.parametrize("text", ["", "0", str(MAX_ROBOTS + 1), "a", "1-", "-1", "3-1", "1,,2", "1-2-3", "\uff19", "1e1", "9" * 5000])
+@pytest.mark.parametrize(
+    "text", ["", "0", str(MAX_ROBOTS + 1), "a", "1-", "-1", "3-1", "1,,2", "1-2-3", "\uff19", "1e1", "9" * 5000]
+)
 def test_what_is_no_list_of_robots_is_refused_in_a_line(text: str) -> None:
     with pytest.raises(EchelonError, match="expected"):
         parsed(text)

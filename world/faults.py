@@ -146,7 +146,8 @@ class FaultState:
         forgotten = self.changes - len(self._history)
         if known < forgotten:
             raise FaultError(f"expected at most {KEPT_CHANGES} changes of faults in an episode; got {self.changes}")
-        found, faults = [], 0
+        found: list[tuple[float, Mapping[LinkId, Fault]]] = []
+        faults = 0
         for at, table in islice(self._history, known - forgotten, known - forgotten + TOLD_CHANGES):
             faults += len(table)
             if found and faults > TOLD_FAULTS:

@@ -1,6 +1,7 @@
 """How many agents this machine bears in real time: measured in about a second, not guessed.
 
-An agent's tick is its own work and its messages: a tick comes in, a plan goes to a neighbour, a command to the world. Both are measured as processor time, with everything that router and receivers spend.
+An agent's tick is its own work and its messages: a tick comes in, a plan goes to a neighbour, a command to the world.
+Both are measured as processor time, with everything that router and receivers spend.
 """
 
 import os

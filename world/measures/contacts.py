@@ -73,7 +73,8 @@ class Contacts:
         return near(poses, self._widest + max(bound, RELEASE))
 
     def _sums(self, one: IntArray, other: IntArray) -> FloatArray:
-        return self._radii[one] + self._radii[other]
+        sums: FloatArray = self._radii[one] + self._radii[other]
+        return sums
 
     def _nearest(self, poses: FloatArray) -> float:
         """Least distance of two centres [m]; of few bodies by Python's arithmetic: faster, and the same bits."""

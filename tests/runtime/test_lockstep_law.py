@@ -137,7 +137,7 @@ def test_whatever_the_bus_does_the_trajectory_is_that_of_one_process(
     whatever_the_bus_does(weather, history, plan_every, crew)
 
 
-def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...] = ()) -> None:
+def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...]) -> None:
     run = MemoryRun(scenario(plan_every), weather, crew=crew)
     play(run, history)
     assert run.finish() == expected(plan_every)
@@ -305,7 +305,7 @@ def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(RunningTime, "look", look)
 
 
-WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1)))
+WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1), st.just(())))
 SILENCE = (no_silence_is_for_ever, (weathers, st.just(set(ROBOTS)), st.floats(1.0, 9.0), moments))
 
 

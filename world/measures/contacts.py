@@ -121,7 +121,8 @@ class AtLimits:
     def add(self, inputs: FloatArray, poses: FloatArray) -> None:
         """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
         at = np.abs(inputs) >= self._limits
-        self._at_limit += at[:, 0] | at[:, 1]
+        if at.any():
+            self._at_limit += at[:, 0] | at[:, 1]
         if self._arena is not None:
             low, high = self._arena[:2], self._arena[2:]
             self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)

@@ -25,8 +25,7 @@ from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Command, Plan, Status, Tick
-from network.quick import maker
-from network.values import LinkCounts
+from network.values import LinkCounts, maker
 
 _make_plan, _make_command = maker(Plan), maker(Command)
 

@@ -49,7 +49,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"scenario"},
     ],
     "network": [
-        {"fields", "lifetime", "quick", "throttled_log", "run_folder"},
+        {"fields", "lifetime", "throttled_log", "run_folder"},
         {"values"},
         {"bodies", "stretch", "requests"},
         {"messages"},

@@ -19,8 +19,7 @@ from formation.scenario.scenario import Scenario
 from network.control import Operation
 from network.interventions import Join, Leave, Move, Push, Release, Reshape
 from network.messages import WORLD, Command, Tick
-from network.quick import maker
-from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention, maker
 from world.episode import Episode
 from world.states import SKIPPED
 

@@ -4,17 +4,18 @@ import dataclasses
 import pickle
 from typing import Any
 
+import numpy as np
 import pytest
 
 from network.codec import encode
 from network.messages import Command, Plan, Tick
-from network.quick import maker
+from network.values import maker
 from tests import builders
 
 MESSAGES = [
     builders.plan(1, 3, lag=0.25, number=7),
     builders.command(2, 5, failure="text"),
-    builders.tick(4, builders.np.zeros((3, 3)), gone=[2]),
+    builders.tick(4, np.zeros((3, 3)), gone=[2]),
 ]
 
 

@@ -33,5 +33,5 @@ RUN --mount=type=cache,target=/kernels \
     && ECHELON_PREBUILT=/kernels ECHELON_CACHE=/opt/kernels \
     python -c "from agents.kernels.jit_cache import fetch_prebuilt; fetch_prebuilt()" \
     && chmod -R a+rX /opt/kernels
-RUN mkdir /records /var/lib/echelon && chown 10001:10001 /records /var/lib/echelon
+RUN mkdir /records /var/lib/echelon /keys && chown 10001:10001 /records /var/lib/echelon /keys && chmod 700 /keys
 USER 10001:10001

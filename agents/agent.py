@@ -61,7 +61,7 @@ class Agent:
         self._receivers = [PlanReceiver(scenario, self.upstream, robot)]
         if own.uses_downstream and after != self.upstream:
             self._receivers.append(PlanReceiver(scenario, after, robot))
-        self._driver = DriverReceiver.of(scenario, robot)
+        self._driver = DriverReceiver.of(scenario, robot, away)
         self._motors = MotorModel(scenario, self._task.limits)
         raw = not spec_of(own).estimates or not scenario.estimator.enabled
         hears = {"sees": own.uses_sight, "listens": own.uses_plans}

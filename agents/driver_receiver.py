@@ -1,6 +1,9 @@
-"""What robot 1 knows of its driver: the newest message over driver->1, and the preview that follows from it."""
+"""What the leader knows of its driver: the newest message over driver->1, and the preview that follows from it.
 
-from collections.abc import Mapping
+The link keeps its name if another robot leads in place of robot 1.
+"""
+
+from collections.abc import Collection, Mapping
 
 from formation.arrays import FloatArray
 from formation.driving.law import REST, Centre, Order
@@ -8,6 +11,7 @@ from formation.driving.track import Track
 from formation.faults import PERFECT, Fault
 from formation.link_ids import DRIVING, LinkId
 from formation.paths.driven import Driven
+from formation.pattern import leader
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Tick
@@ -31,9 +35,10 @@ class DriverReceiver:
         """Tick of the newest message."""
 
     @classmethod
-    def of(cls, scenario: Scenario, robot: int) -> "DriverReceiver | None":
-        """The receiver of a robot; None unless it is the one that is driven."""
-        return cls(scenario) if robot == DRIVING.receiver and isinstance(scenario.path, Driven) else None
+    def of(cls, scenario: Scenario, robot: int, away: Collection[int] = ()) -> "DriverReceiver | None":
+        """The receiver of a robot, of whom some are away; None unless it is the one that is driven."""
+        leads = robot == leader(away, follows=scenario.path.leader == "next")
+        return cls(scenario) if leads and isinstance(scenario.path, Driven) else None
 
     def reshape(self, k: int, scenario: Scenario) -> None:
         """From tick k on the formation has the offsets of this scenario."""

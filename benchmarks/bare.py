@@ -28,8 +28,8 @@ STATE_EVERY = 0.05
 """Between two states of the world [s]."""
 STATUS_EVERY = 10
 """Ticks between two statuses of an agent; agents send ten a second."""
-PATIENCE = 30.0
-"""Longest wait for a message [s]."""
+PATIENCE = 1.0
+"""A tick that is not answered for this long is sent again [s]: the first may go out before everybody is subscribed."""
 Process = subprocess.Popen[str]
 
 
@@ -59,20 +59,33 @@ def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int]) ->
             bus.announce(key, reliable=True)
         bus.subscribe(tick)
         bus.subscribe(heard)
-        payloads = {name: bytes(sizes[name]) for name in ("Plan", "Command", "Status")}
-        ticks = plans = answered = 0
+
+        def answer(number: int) -> None:
+            for key, name in ((own, "Plan"), (command, "Command")):
+                bus.send(key, _numbered(number, sizes[name]))
+
+        newest = heard_of = answered = 0
         print("ready", flush=True)
         while True:
             for item in bus.arrivals(PATIENCE):
-                if isinstance(item, Sample):
-                    ticks += item.key == tick
-                    plans += item.key == heard
-            while answered < ticks and plans >= answered:
-                bus.send(own, payloads["Plan"])
-                bus.send(command, payloads["Command"])
-                answered += 1
+                if isinstance(item, Sample) and item.key == tick:
+                    if (newest := max(newest, _number(item.payload))) == answered:
+                        answer(answered)
+                elif isinstance(item, Sample) and item.key == heard:
+                    heard_of = max(heard_of, _number(item.payload))
+            if answered < newest and heard_of >= answered:
+                answered = newest
+                answer(answered)
                 if answered % STATUS_EVERY == 0:
-                    bus.send(status, payloads["Status"])
+                    bus.send(status, bytes(sizes["Status"]))
+
+
+def _numbered(number: int, size: int) -> bytes:
+    return number.to_bytes(8).ljust(size, b"\1")
+
+
+def _number(payload: bytes) -> int:
+    return int.from_bytes(payload[:8])
 
 
 def bare_world(endpoint: str, robots: int, seconds: float, interval: float, sizes: dict[str, int]) -> None:
@@ -88,19 +101,22 @@ def bare_world(endpoint: str, robots: int, seconds: float, interval: float, size
         bus.subscribe(topics.status(RUN, "*"))
         print("ready", flush=True)
         sys.stdin.readline()
-        payloads = {"Tick": b"\1" * sizes["Tick"], "State": bytes(sizes["State"])}
         commands = {topics.command(RUN, robot) for robot in range(1, robots + 1)}
         done, shown, missing, began = 0, 0.0, 0, time.perf_counter()
         while (now := time.perf_counter()) < began + seconds:
-            bus.send(tick, payloads["Tick"])
+            left, due = set(commands), began + (done + 1) * interval
+            while left:
+                bus.send(tick, _numbered(done + 1, sizes["Tick"]))
+                until = due if interval else time.perf_counter() + PATIENCE
+                while (wait := until - time.perf_counter()) > 0.0 and (left or interval):
+                    heard = (item for item in bus.arrivals(wait) if isinstance(item, Sample))
+                    left -= {item.key for item in heard if _number(item.payload) == done + 1}
+                if interval:
+                    break
+            missing += len(left)
             done += 1
-            left, due = robots, began + done * interval
-            while (wait := due - time.perf_counter()) > 0.0 if interval else left:
-                arrived = bus.arrivals(wait if interval else PATIENCE)
-                left -= sum(isinstance(i, Sample) and i.key in commands for i in arrived)
-            missing += max(left, 0)
             if now - shown > STATE_EVERY:
-                bus.send(state, payloads["State"])
+                bus.send(state, bytes(sizes["State"]))
                 shown = now
         print(json.dumps((done / (time.perf_counter() - began), missing / (done * robots))), flush=True)
         sys.stdin.readline()  # its processor time is read meanwhile; then it is killed

@@ -15,7 +15,7 @@ from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
-from network.access.keys import LOCAL, OPEN, protocol
+from network.access.keys import LOCAL, OPEN, Keys, common_name, protocol
 from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
@@ -28,8 +28,8 @@ CONNECT_SECONDS = 2.0
 """Longest wait for the router of a run [s]: it is there, or about to come back after it was killed."""
 
 
-CONNECT, RUN, WITHOUT_KEYS = "ECHELON_CONNECT", "ECHELON_RUN", "ECHELON_INSECURE"
-"""Environment variables for the router and the name of the run that commands are for, and for --insecure."""
+CONNECT, RUN, WITHOUT_KEYS, KEYS = "ECHELON_CONNECT", "ECHELON_RUN", "ECHELON_INSECURE", "ECHELON_KEYS"
+"""Environment variables: the router and the name of the run that commands are for, --insecure, and a folder of keys."""
 
 
 def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARIO) -> None:
@@ -167,6 +167,9 @@ def session(options: argparse.Namespace, *, orders: bool = False) -> ZenohBus:
     endpoint, insecure = options.connect, options.insecure
     if endpoint is None and options.run is None and CONNECT in os.environ:
         endpoint, insecure = os.environ[CONNECT], insecure or bool(os.environ.get(WITHOUT_KEYS))
+        if KEYS in os.environ:
+            keys = Keys.of(Path(os.environ[KEYS]), common_name("operator" if orders else "observer"))
+            return ZenohBus(endpoint, os.environ.get(RUN) or "echelon", keys=keys, patience=CONNECT_SECONDS)
     if endpoint is not None and protocol(endpoint) in (*OPEN, LOCAL):
         run = options.run or os.environ.get(RUN) or "echelon"
         return ZenohBus(endpoint, run, insecure=insecure, patience=CONNECT_SECONDS)

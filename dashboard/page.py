@@ -8,7 +8,7 @@ import viser
 from dashboard.notices import Notice, Notices
 from dashboard.overlay.overlay import Overlay
 from dashboard.overlay.time_line import TimeLine
-from dashboard.panels.agent_lifecycle import AgentLifecycle
+from dashboard.panels.agent_lifecycle import VERBS, AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.driving import DrivePanel
 from dashboard.panels.event_log import event_log
@@ -168,11 +168,11 @@ class Page:
             return
         if verb == "focus":
             self._view.focus_on(event.client, number)
-        elif verb in ("kill", "restart") and not self._requests.possible:
+        elif verb in VERBS and not self._requests.possible:
             self._requests.refuse(*NO_RUN, event.client_id)
         elif verb == LEDGER:
             self._ledger.press(number)
-        elif verb in ("kill", "restart"):
+        elif verb in VERBS:
             self._agent_lifecycle.clicked(verb, number, event.client)
         else:
             self._faults.choose(verb, number)
@@ -270,7 +270,7 @@ class Page:
         self._drive.draw(snapshot)
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
-        verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", "kill", "restart"), n)}
+        verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", *VERBS), n)}
         self._clickable.set_verbs({**verbs, **LedgerTab.verbs(snapshot.state)} if n else {})
         self._link_matrix.content = link_matrix(view.snapshot, view.links, self._clickable, self._faults.target)
         self._turn += 1

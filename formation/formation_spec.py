@@ -73,6 +73,18 @@ class Change(Shape):
     speed of the path (formation/offsets.py)."""
     reassign: bool = True
     """Assign the slots so that the sum of squared distances is least; else row i is robot i's."""
+    without: tuple[Annotated[int, Field(ge=1, le=MAX_ROBOTS)], ...] = ()
+    """Robots that have no place in it, because they have left the ring; theirs stays what it was."""
+    named: str | None = None
+    """The shape that the offsets are of, where a user ordered it by name."""
+
+    def array_for(self, robots: int) -> FloatArray:
+        """Offsets of the robots that have a place in it, in the order of their numbers; see Shape."""
+        return super().array_for(robots - len(self.without))
+
+    def members(self, robots: int) -> list[int]:
+        """Rows of the robots that have a place in it, of so many."""
+        return [row for row in range(robots) if row + 1 not in self.without]
 
 
 class Formation(Shape):

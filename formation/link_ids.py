@@ -42,9 +42,9 @@ class LinkId(NamedTuple):
         return cls(upstream(robot, robots, away), robot)
 
     @classmethod
-    def plans_from(cls, robot: int, robots: int) -> Self:
-        """The link over which a robot sends plans, in a ring of so many."""
-        return cls(robot, downstream(robot, robots))
+    def plans_from(cls, robot: int, robots: int, away: Collection[int] = ()) -> Self:
+        """The link over which a robot sends plans, in a ring of so many, of whom some are away."""
+        return cls(robot, downstream(robot, robots, away))
 
     @classmethod
     def poses_to(cls, robot: int) -> Self:

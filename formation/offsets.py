@@ -5,9 +5,10 @@ assigned to the new offsets so that the sum of squared ways is least, and both s
 robots come closer than D / sqrt(2) (Turpin, Michael, Kumar: CAPT, Int. J. Robotics Research 33(1), 2014).
 """
 
+import math
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +38,8 @@ class _Move:
     way: FloatArray
     """(n, 2) [m]."""
     reassigned: bool
+    members: list[int]
+    """Rows of the robots that have a place in the new shape."""
 
 
 class Offsets:
@@ -57,7 +60,7 @@ class Offsets:
         picked = copy(self)
         at = [robot - 1 for robot in robots]
         picked._start = self._start[at]
-        picked._moves = tuple(_Move(move.at, move.over, move.way[at], move.reassigned) for move in self._moves)
+        picked._moves = tuple(replace(move, way=move.way[at]) for move in self._moves)
         return picked
 
     def after(self, t: float) -> FloatArray:
@@ -78,16 +81,17 @@ class Offsets:
         """What is wrong with changes in which two robots come too near to each other; empty if nothing is."""
         for number, move in enumerate(self._moves):
             t = move.at + move.over * np.linspace(0.0, 1.0, LOOKOUT_CROWD)
-            places = self.at(t)
+            places = self.at(t)[:, move.members]
             allowed = NEAREST * min(nearest(places[0])[2], nearest(places[-1])[2])
             if clearance(places) >= allowed:
                 continue
             worst = min(range(len(t)), key=lambda row: nearest(places[row])[2])
             one, other, apart = nearest(places[worst])
             hint = "" if move.reassigned else "; with reassign = true each robot takes the nearest place"
+            pair = f"{move.members[one - 1] + 1} and {move.members[other - 1] + 1}"
             return (
                 f"changes[{number}]: expected robots that keep {allowed:.3g} m apart, half of the spacing; robots "
-                f"{one} and {other} come within {apart:.4f} m of each other at t = {t[worst]:.4g} s{hint}"
+                f"{pair} come within {apart:.4f} m of each other at t = {t[worst]:.4g} s{hint}"
             )
         return ""
 
@@ -107,22 +111,60 @@ def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
     moves: list[_Move] = []
     here = formation.array
     for change in formation.changes:
-        there = change.array_for(len(here))
+        rows, places = change.members(len(here)), change.array_for(len(here))
         if change.reassign:
-            there = there[assignment(here, there)]
+            places = places[assignment(here[rows], places)]
+        there = here.copy()
+        there[rows] = places
         way = there - here
         over = change.over or _time_for(float(np.hypot(*way.T).max()), change.at, path)
-        moves.append(_Move(change.at, over, frozen(way), change.reassign))
+        moves.append(_Move(change.at, over, frozen(way), change.reassign, rows))
         here = there
     return tuple(moves)
 
 
 def assignment(here: FloatArray, there: FloatArray) -> list[int]:
-    """Which new offset each robot takes, so that the sum of squared ways is least."""
-    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415  half a second, for the few that change shape
+    """Which new offset each robot takes, so that the sum of squared ways is least.
 
+    Robot after robot gets a place by a shortest augmenting path (Crouse, IEEE Trans. Aerospace and Electronic Systems
+    52(4), 2016). Of equal ones a free place is taken, else the first that is looked at, the last places first: which of
+    several best assignments is found is part of a trajectory. To import scipy for it would stop a live world for long.
+    """
     gap = here[:, None] - there[None]
-    return [int(j) for j in linear_sum_assignment((gap**2).sum(axis=-1))[1]]
+    cost: list[list[float]] = (gap**2).sum(axis=-1).tolist()
+    n = len(cost)
+    of_robots, of_places = [0.0] * n, [0.0] * n  # dual prices
+    taken, taker = [-1] * n, [-1] * n  # place of each robot, robot of each place
+    for robot in range(n):
+        reach, via, left = [math.inf] * n, [-1] * n, list(range(n - 1, -1, -1))
+        seen, length, i = [robot], 0.0, robot
+        while True:
+            row, price, nearest_yet, at = cost[i], of_robots[i], math.inf, -1
+            for place, j in enumerate(left):
+                way = length + row[j] - price - of_places[j]
+                if way < reach[j]:
+                    via[j], reach[j] = i, way
+                if reach[j] < nearest_yet or (reach[j] == nearest_yet and taker[j] == -1):
+                    nearest_yet, at = reach[j], place
+            length, j = nearest_yet, left[at]
+            left[at] = left[-1]
+            left.pop()
+            if taker[j] == -1:
+                break
+            i = taker[j]
+            seen.append(i)
+        of_robots[robot] += length
+        for other in seen[1:]:
+            of_robots[other] += length - reach[taken[other]]
+        for place in set(range(n)).difference(left):
+            of_places[place] -= length - reach[place]
+        while True:
+            i = via[j]
+            taker[j] = i
+            taken[i], j = j, taken[i]
+            if i == robot:
+                break
+    return taken
 
 
 def _time_for(way: float, at: float, path: Path) -> float:

@@ -40,6 +40,19 @@ def downstream(robot: int, robots: int, away: Collection[int] = ()) -> int:
     return found
 
 
+def leader(away: Collection[int], *, follows: bool) -> int:
+    """The number of the robot that knows the path where one alone does: robot 1, or the next that has not left.
+
+    Args:
+        away: robots that have left the ring.
+        follows: whether another one takes the path over.
+    """
+    found = 1
+    while follows and found in away:
+        found += 1
+    return found
+
+
 def neighbours(robot: int, robots: int, away: Collection[int] = ()) -> tuple[int, int, int]:
     """The robot upstream, the one upstream of that, and the one downstream."""
     other = upstream(robot, robots, away)

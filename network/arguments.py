@@ -1,6 +1,8 @@
 """How the processes of a run are told where their run is, and the keys that they show there."""
 
 import argparse
+import socket
+import zlib
 from pathlib import Path
 
 from network.access.keys import Keys, common_name
@@ -21,6 +23,11 @@ def add_keys(parser: argparse.ArgumentParser) -> None:
     """Where the keys are, or that there are none."""
     parser.add_argument("--keys", type=Path, metavar="FOLDER", help="with the process's keys; a unix socket needs none")
     parser.add_argument("--insecure", action="store_true", help=INSECURE)
+
+
+def host_number() -> int:
+    """A number of this host or container by its name, which tells keepers of agents apart."""
+    return zlib.crc32(socket.gethostname().encode())
 
 
 def connect(options: argparse.Namespace, role: Role, number: int = 0, *, patience: float = CONNECT_SECONDS) -> ZenohBus:

@@ -4,12 +4,12 @@ import argparse
 import sys
 
 from formation.errors import EchelonError
-from network.arguments import add_connection, connect
+from network.arguments import add_connection, connect, host_number
 from network.bus import Bus, Presence
 
 SECONDS = 3.0
 
-ROLES = ("router", "world", "agent", "recorder", "ghost", "dashboard", "body", "display")
+ROLES = ("router", "world", "agent", "keeper", "recorder", "ghost", "dashboard", "body", "display")
 """Of processes that may be containers."""
 
 
@@ -20,9 +20,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--role", required=True, choices=ROLES)
     parser.add_argument("--id", type=int, default=0)
     options = parser.parse_args(arguments)
+    number = host_number() if options.role == "keeper" else options.id
     try:
         with connect(options, "observer") as session:
-            return 0 if options.role == "router" or _seen(session, options.role, options.id) else 1
+            return 0 if options.role == "router" or _seen(session, options.role, number) else 1
     except EchelonError as error:
         print(error, file=sys.stderr)
         return 1

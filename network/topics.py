@@ -23,6 +23,7 @@ Role = Literal[
     "ghost",
     "dashboard",
     "launcher",
+    "keeper",
     "recorder",
     "body",
     "display",

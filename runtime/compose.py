@@ -1,7 +1,7 @@
 """The same processes as containers: a compose file made of runtime/process_list.py."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from formation.loading.source import LOADED
 from formation.scenario.overrides import Overrides, to_json
@@ -17,10 +17,18 @@ SAVED = "/var/lib/echelon"
 """Where the world saves the run, in its own container; the image has the folder with the right owner."""
 RECORDS = "/records"
 """Where records are, in a volume of the same name; the image has the folder with the right owner."""
+KEYS = "/keys"
+"""Where the keys of the run are, in a volume that its containers alone see; the image has the folder, private."""
+ISSUING = ("python", "-m", "runtime.hosts.issuing", "--folder", KEYS)
+"""Makes them, before anything else starts."""
+
+_CHOSEN = "${{SCENARIO:-{}}}"
+"""The scenario's name as compose makes it of the environment."""
 
 _HEAD = """\
-# Made by `echelon compose {words}`: router, world, one service per robot, ghost, dashboard.
+# Made by `echelon compose {words}`: router, world, the agents of all robots, ghost, dashboard.
 # `docker compose up --build`, then open http://127.0.0.1:{port}. Only that port is published, on loopback.
+# `SCENARIO=NAME docker compose up` runs another scenario; `--scale agents=3` shares the agents among containers.
 name: echelon
 
 x-service: &service
@@ -33,27 +41,37 @@ x-service: &service
   tmpfs: ["/tmp:mode=1777"]
   restart: on-failure
   networks: [formation]
+  volumes: ["keys:{keys}:ro"]
   environment:
-    ECHELON_CONNECT: "tcp/router:{router}"  # `docker compose exec world echelon status` needs no options
+    ECHELON_CONNECT: "tls/router:{router}"  # `docker compose exec world echelon status` needs no options
     ECHELON_RUN: "{run}"
-    ECHELON_INSECURE: "1"  # inside the network of these containers only
+    ECHELON_KEYS: "{keys}"
     ECHELON_IN_CONTAINER: "1"
 
 networks:
   formation: {{}}
 
+volumes:
+  keys: {{}}  # of this run alone: `docker compose down -v` removes them
+{volumes}
 services:
+  keys:  # made once, before all else
+    <<: *service
+    command: {issuing}
+    volumes: ["keys:{keys}"]
+
 """
 
 
 def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, record: bool = False) -> RunPlan:
-    """How a run of containers is put together."""
+    """How a run of containers is put together. The scenario is that of the environment, if there is one."""
+    scenario = _CHOSEN.format(scenario)
     return RunPlan(
         run=RUN,
         scenario=scenario,
-        connect=f"tcp/router:{ROUTER_PORT}",
-        listen=(f"tcp/0.0.0.0:{ROUTER_PORT}",),
-        insecure=True,  # nobody but the services reaches their network
+        connect=f"tls/router:{ROUTER_PORT}",
+        listen=(f"tls/0.0.0.0:{ROUTER_PORT}",),
+        keys=KEYS,
         overrides=overrides,
         endless=True,
         ghost=True,
@@ -79,32 +97,36 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
     """
     check_live(scenario.controller.name)
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
-    head = _HEAD.format(words=words, port=PAGE_PORT, router=ROUTER_PORT, run=RUN)
+    head = _HEAD.format(
+        words=words,
+        port=PAGE_PORT,
+        router=ROUTER_PORT,
+        run=RUN,
+        keys=KEYS,
+        issuing=_words(ISSUING),
+        volumes="  records: {}\n" if record else "",
+    )
     code, mounts = mounted(LOADED.values())
-    listed = programs(plan(name, overrides or {}, code, record=record), scenario)
-    services = "\n".join(_service(program, mounts) for program in listed)
-    return head + services + ("\nvolumes:\n  records: {}\n" if record else "")
+    planned = plan(name, overrides or {}, code, record=record)
+    chosen = {planned.scenario, planned.record or ""}
+    services = "\n".join(_service(program, mounts, chosen) for program in programs(planned, scenario))
+    return head + services
 
 
-def _service(program: Program, mounts: Mapping[str, str]) -> str:
-    name = f"agent-{program.number}" if program.role == "agent" else program.role
-    check = [
-        "CMD",
-        "python",
-        "-m",
-        "network.health",
-        "--run",
-        RUN,
-        "--connect",
-        f"tcp/router:{ROUTER_PORT}",
-        "--insecure",
-    ]
-    check += ["--role", program.role, "--id", str(program.number)]
+def service_name(program: Program) -> str:
+    """What a process is called as a service: `--scale agents=3`."""
+    return "agents" if program.role == "keeper" else program.role
+
+
+def _service(program: Program, mounts: Mapping[str, str], chosen: Container[str]) -> str:
+    name = service_name(program)
+    check = ["CMD", "python", "-m", "network.health", "--run", RUN, "--connect", f"tls/router:{ROUTER_PORT}"]
+    check += ["--keys", KEYS, "--role", program.role]
     lines = [
         f"  {name}:",
         "    <<: *service",
         *(["    build: ."] if program.role == "router" else []),
-        f"    command: {_words(['python', '-m', program.module, *program.arguments])}",
+        f"    command: {_words(['python', '-m', program.module, *program.arguments], chosen)}",
         "    healthcheck:",
         f"      test: {_words(check)}",
         "      interval: 2m",
@@ -118,11 +140,15 @@ def _service(program: Program, mounts: Mapping[str, str]) -> str:
         volumes = [
             {"type": "bind", "source": here, "target": there, "read_only": True} for here, there in mounts.items()
         ]
-        lines += ["    volumes:", *(f"      - {json.dumps(volume)}".replace("$", "$$") for volume in volumes)]
-    if program.role != "router":
+        more = [json.dumps(volume).replace("$", "$$") for volume in volumes]
+    else:
+        more = [f'"records:{RECORDS}"'] if program.role == "recorder" else []
+    if more:
+        lines += ["    volumes:", *(f"      - {volume}" for volume in [f'"keys:{KEYS}:ro"', *more])]
+    if program.role == "router":
+        lines += ["    depends_on: {keys: {condition: service_completed_successfully}}"]
+    else:
         lines += ["    depends_on: [router]"]
-    if program.role == "recorder":
-        lines += ["    volumes:", f'      - "records:{RECORDS}"']
     if program.role == "dashboard":
         lines += [
             "    ports:",
@@ -131,6 +157,6 @@ def _service(program: Program, mounts: Mapping[str, str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _words(command: Sequence[str]) -> str:
-    """A command as YAML has it; compose would take a $ for a variable."""
-    return json.dumps(command).replace("$", "$$")
+def _words(command: Sequence[str], chosen: Container[str] = ()) -> str:
+    """A command as YAML has it; compose would take a $ for a variable, and shall in the words that are chosen there."""
+    return json.dumps([word if word in chosen else word.replace("$", "$$") for word in command])

@@ -18,9 +18,9 @@ from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
-from runtime.agent_keeper import AgentKeeper
 from runtime.endings import Endings
 from runtime.hosts.listening import Listening
+from runtime.keeping.agent_keeper import AgentKeeper
 from runtime.machine.sharing import Sharing
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
@@ -87,7 +87,7 @@ class LiveRun:
             ensure_compiled(self._tell)
             wanted = programs(self._shared(self._scenario.size), self._scenario)
             check_enough(len(wanted))
-            self._keeper = AgentKeeper(self._supervisor, self._agents, self._here)
+            self._keeper = AgentKeeper(self._supervisor, self._agents)
             folder = Path(self._plan.scenarios or ".").absolute()
             self._records = RecordKeeper(self._supervisor, lambda file: recorder(self._plan, file), folder, self._tell)
             self._supervisor.start(wanted)
@@ -181,7 +181,7 @@ class LiveRun:
             return False
         self._listen()
         if self._state is not None:
-            self._keeper.keep(self._state)
+            self._keeper.keep(self._state, self._here)
             self._records.keep(self._state)
         return True
 

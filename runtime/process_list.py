@@ -63,7 +63,7 @@ class RunPlan:
     folder: str | None = None
     """The run's private folder: the world saves the run there, and the router removes it if no launcher is left."""
     containers: bool = False
-    """Whether each process has a folder of its own there, which goes with its container."""
+    """Whether each process has a folder of its own there, which goes with its container, and agents are kept by one."""
     dashboard: tuple[str, int] | None = None
     """Host and port to serve the page on; None for a run without one."""
     started: str | None = None
@@ -104,7 +104,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         found.append(recorder(plan, plan.record))
     found += [Program("body", number, "ros.body", (*common, "--robot", spec)) for number, spec in plan.robots]
     robots = [number for number in range(1, scenario.size + 1) if plan.here is None or number in plan.here]
-    found += agents(plan, robots)
+    found += [keeper(plan)] if plan.containers else agents(plan, robots)
     if plan.ghost:
         own = [*_each("--controller", plan.code.controllers), *_each("--bodies", plan.code.bodies)]
         found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
@@ -135,6 +135,11 @@ def agents(plan: RunPlan, robots: Iterable[int]) -> list[Program]:
         number = some[0] if len(some) == 1 else 0
         found.append(Program("agent", number, "agents", (*_common(plan), *own, *who), frozenset(some)))
     return found
+
+
+def keeper(plan: RunPlan) -> Program:
+    """Runs the agents of all robots that the scenario has, or its share of them beside others of its kind."""
+    return Program("keeper", 0, "runtime.keeping", (*_common(plan), *_each("--controller", plan.code.controllers)))
 
 
 def _common(plan: RunPlan) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, tracking_error, tracking_error_of_some
-from formation.pattern import downstream, upstream
+from formation.pattern import downstream, leader, upstream
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import SHOWN
 from network.messages import WORLD, Command, State, Status, Tick
@@ -141,12 +141,20 @@ class Episode:
         for robot in sorted(away - before):
             hears = downstream(robot, self.scenario.size, away)
             text = f"robot {robot} leaves the ring: robot {hears} hears robot {upstream(hears, len(self.robots), away)}"
-            told = robot == 1 and self.scenario.path.known_to == "leader"
             self.event("agent", text, "warning")
-            if told:
-                self.event("agent", "nobody tells the robots the path: the formation stops", "error")
         for robot in sorted(before - away):
             self.event("agent", f"robot {robot} joins the ring")
+        if self.scenario.path.known_to == "leader":
+            self._say_who_leads(before)
+
+    def _say_who_leads(self, before: frozenset[int]) -> None:
+        """Log it if another robot tells the path than when these were away, or none."""
+        follows = self.scenario.path.leader == "next"
+        was, now = leader(before, follows=follows), leader(self.away, follows=follows)
+        if now in self.away - before:
+            self.event("agent", "nobody tells the robots the path: the formation stops", "error")
+        elif now != was:
+            self.event("agent", f"robot {now} tells the others the path")
 
     def _keep_ledger(self, commands: Mapping[int, Command]) -> None:
         """Look for excursions after a tick."""

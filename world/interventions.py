@@ -37,7 +37,7 @@ class Interventions:
         self.acting: tuple[Disturbance, ...] = ()
         """The disturbances that act now."""
         self.changes: list[Change] = []
-        """Of the shape, by users."""
+        """Of the shape, by users and with the ring."""
         self.count = 0
         """Interventions in this episode so far."""
         self._history: deque[Intervention] = deque(maxlen=KEPT)
@@ -66,8 +66,12 @@ class Interventions:
 
     def reshape(self, k: int, change: Change) -> None:
         """A shape was ordered at tick k."""
-        self.changes.append(change)
+        self.close(change)
         self._note(k, "shape", change.model_dump(mode="json", exclude_unset=True))
+
+    def close(self, change: Change) -> None:
+        """The ring changed, and the shape with it: whoever repeats the one has the other."""
+        self.changes.append(change)
 
     def ring(self, k: int, away: Iterable[int]) -> None:
         """At tick k the ring was closed over these robots."""

@@ -233,6 +233,8 @@ class WorldNode:
                 self._presence.appear(robot) if here else self._presence.disappear(robot, self._running)
             case Presence("launcher", _, here):
                 self._presence.launcher = here
+            case Presence("keeper", number, here):
+                (self._presence.keepers.add if here else self._presence.keepers.discard)(number)
             case Presence("recorder", _, here):
                 self._journal.wanted = here
                 self._control.recording = self._control.recording if here else None

@@ -69,7 +69,9 @@ class AgentPresence:
         self._dismissed: set[int] = set()
         self._returning: set[int] = set()
         self.launcher = False
-        """Whether there is a launcher, which ends and starts agents."""
+        """Whether there is a launcher, which ends and starts processes."""
+        self.keepers: set[int] = set()
+        """Numbers of the processes that end and start agents where there is no launcher."""
 
     @property
     def dismissed(self) -> list[int]:
@@ -106,9 +108,8 @@ class AgentPresence:
     def _check(self, robot: int) -> None:
         if robot not in self._world.robots:
             raise EchelonError(f"expected a robot of the scenario, 1 to {self._world.scenario.size}; got {robot}")
-        self.check_launcher(
-            "agents", f"With compose: docker compose kill agent-{robot}, and docker compose start agent-{robot}"
-        )
+        if not self.keepers:
+            self.check_launcher("agents", "End and start their processes as you started them")
 
     def check_launcher(self, what: str, advice: str) -> None:
         """Refuse what a launcher does if there is none. Raises EchelonError."""
@@ -144,6 +145,7 @@ class AgentPresence:
         self._suspects = dict.fromkeys(self._world.live, 0.0)
         self._doubt = 0.0, RETURN_SECONDS
         self._connected, self.launcher = True, False
+        self.keepers.clear()
 
     def appear(self, robot: int) -> None:
         """An agent's token has appeared."""

@@ -6,6 +6,7 @@ without memory, for the robot may be somewhere else.
 
 from collections.abc import Callable, Iterable
 
+from formation.disturbances import Disturbance
 from formation.errors import ScenarioError, WireError
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -59,7 +60,16 @@ class RealRobots:
             raise ScenarioError(
                 f"bodies.implementation: expected wheeled beside real robots; got {scenario.bodies.implementation}"
             )
+        for disturbance in scenario.disturbances:
+            self.check_simulated(disturbance)
         return MixedBodies(found, real, self, scenario.nominal.age)
+
+    def check_simulated(self, disturbance: Disturbance) -> None:
+        """Refuse to disturb a real robot. Raises ScenarioError."""
+        if disturbance.robot in self._robots:
+            raise ScenarioError(
+                f"expected a simulated robot to be disturbed; robot {disturbance.robot} is a real one: push it by hand"
+            )
 
     def __call__(self, robot: int) -> RealPose | None:
         """The newest that is known of a robot."""
@@ -161,6 +171,11 @@ class MixedWorld(World):
     def bodies_for(self, scenario: Scenario) -> Bodies:
         """Simulated and real ones."""
         return self.real.bodies(scenario)
+
+    def push(self, disturbance: Disturbance) -> None:
+        """As before, of a simulated robot. Raises EchelonError."""
+        self.real.check_simulated(disturbance)
+        super().push(disturbance)
 
     def go_on(self) -> None:
         """A segment, in which the real robots are where they are now."""

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from formation.disturbances import Disturbance, displacement, pushed
-from formation.errors import EchelonError
+from formation.errors import EchelonError, ScenarioError
 from formation.faults import PERFECT, Fault
 from formation.formation_spec import Change
 from formation.link_ids import LinkId
-from formation.scenario.reshaping import change_of, reshaped
+from formation.scenario.reshaping import change_of, closing, reshaped
 from formation.scenario.scenario import Scenario
 from network.control import Operation
 from network.interventions import Join, Leave, Move, Push, Release, Reshape
@@ -151,7 +151,8 @@ class World(Episode):
             case Release(robot=robot):
                 self.release(robot)
             case Reshape(shape=shape, spacing=spacing, over=over):
-                change = change_of(self.scenario, self.path_time, shape=shape, spacing=spacing, over=over)
+                away = self.away if self.scenario.membership.shape == "close" else ()
+                change = change_of(self.scenario, self.path_time, shape=shape, spacing=spacing, over=over, away=away)
                 self.reshape(change, shape or "")
             case _:
                 raise EchelonError(f"expected push, move, release or shape; got {type(operation).__name__}")
@@ -179,6 +180,26 @@ class World(Episode):
         """
         scenario = reshaped(self.given, [*self.interventions.changes, change])
         self.interventions.reshape(self.k, change)
+        self._take_shape(scenario)
+        self.event("push", f"the shape becomes {name or 'another'}, spacing {change.spacing:.3g} m")
+
+    def _close_ring(self) -> None:
+        """As before; with `membership.shape = "close"` those who stay take the shape for as many as they are."""
+        before = self.away
+        super()._close_ring()
+        if self.away == before or self.scenario.membership.shape == "keep":
+            return
+        try:
+            change = closing(self.scenario, self.path_time, self.away)
+            scenario = reshaped(self.given, [*self.interventions.changes, change])
+        except ScenarioError as error:
+            self.event("agent", f"the robots keep their places: {error}", "warning")
+            return
+        self.interventions.close(change)
+        self._take_shape(scenario)
+
+    def _take_shape(self, scenario: Scenario) -> None:
+        """From now on the formation is that of this scenario."""
         self.scenario = scenario
         if self.driver:
             self.driver.reshape(self.k, scenario)
@@ -187,7 +208,6 @@ class World(Episode):
             if self.trace:
                 self.trace.reference = self.reference
         self.revision += 1
-        self.event("push", f"the shape becomes {name or 'another'}, spacing {change.spacing:.3g} m")
 
     @property
     def path_time(self) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from agents.kernels.unicycle import sample
 from agents.kernels.window.filter import Table
 from formation.arrays import FloatArray
-from formation.pattern import neighbours, rotate
+from formation.pattern import leader, neighbours, rotate
 from formation.reference import Block
 from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
@@ -43,7 +43,8 @@ class Task:
         other, self.further, after = neighbours(robot, scenario.size, away)
         self._columns = columns = [robot, other, self.further, after]
         self._rounded = rounded = spec_of(controller).rounds_corners
-        knows = scenario.path.known_to == "all" or (robot == 1 and not scenario.driven)
+        leads = robot == leader(away, follows=scenario.path.leader == "next")
+        knows = scenario.path.known_to == "all" or (leads and not scenario.driven)
         self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)
         """The reference of a robot that is told the path; None if it knows it."""
         self.reference = self.way or scenario.reference(columns, rounded=rounded)

@@ -98,6 +98,11 @@ def run(options: argparse.Namespace) -> int:
         **hosts,
     ) as live:
         tell(f"running {scenario.name} with {scenario.size} robots as run {name}; Ctrl-C ends it")
+        if dashboard is not None and options.host not in access.LOOPBACK:
+            tell(
+                "the page is not encrypted, nor is its token: in a network you do not trust leave out --host and use "
+                f"ssh -L {dashboard[1]}:127.0.0.1:{dashboard[1]} HOST, or a proxy with TLS (docs/hosts.md)"
+            )
         tell_how_to_join(live, hosts)
         if record is not None:
             tell(f"recording in {record}")

@@ -1,4 +1,4 @@
-"""Killing and restarting agents from the page: confirmed in a modal, done by the run's launcher."""
+"""Killing and restarting agents from the page, confirmed in a modal; robots that leave the ring and join it."""
 
 from typing import Any
 
@@ -6,6 +6,7 @@ import viser
 
 from dashboard.requests import RequestQueue
 from network.control import Kill, Operation, Restart
+from network.interventions import Join, Leave
 from network.messages import State
 
 _KILL = (
@@ -13,6 +14,10 @@ _KILL = (
     "plan it received, and the agent stays down until you press **restart**."
 )
 _RESTART = "Its process is killed, and a new one starts that knows nothing of the episode so far."
+
+
+VERBS = ("kill", "restart", "leave", "join")
+"""What can be done to a robot's part in the run."""
 
 
 class AgentLifecycle:
@@ -28,11 +33,13 @@ class AgentLifecycle:
         self._state = state
 
     def clicked(self, verb: str, robot: int, client: viser.ClientHandle) -> None:
-        """A user clicked "kill" or "restart" of a robot."""
+        """A user clicked one of VERBS of a robot."""
         state = self._state
         if state is None or not 1 <= robot <= len(state.poses):
             return
-        if verb == "kill":
+        if verb in ("leave", "join"):  # nothing is lost by it
+            self._requests.ask((Leave if verb == "leave" else Join)(robot=robot), client.client_id)
+        elif verb == "kill":
             self._confirm(client, f"Kill agent {robot}?", _KILL.format(robot=robot), f"Kill {robot}", Kill(robot=robot))
         elif robot in state.dismissed:  # there is no process to lose
             self._requests.ask(Restart(robot=robot), client.client_id)

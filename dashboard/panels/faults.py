@@ -1,6 +1,6 @@
 """The fault panel: the faults in force, and the controls that change them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 from typing import Any
 
@@ -27,7 +27,7 @@ class FaultPanel:
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         """Add the folder; of a record its controls are off."""
         self._requests = requests
-        self._robots, self._driven = 0, False
+        self._robots, self._driven, self._away = 0, False, list[int]()
         self._sliders: dict[str, MirroredControl] = {}
         with gui.add_folder("Communication faults"):
             self._target: Any = gui.add_dropdown("Target", (ALL,), initial_value=ALL)
@@ -66,11 +66,15 @@ class FaultPanel:
     def target(self) -> tuple[str, ...]:
         """Names of the links that are the target, as in the world; none if a page sent a target that is not offered."""
         label = self._target.value
-        return targets(self._robots, driven=self._driven).get(label, ()) if label in self._target.options else ()
+        return (
+            targets(self._robots, driven=self._driven, away=self._away).get(label, ())
+            if label in self._target.options
+            else ()
+        )
 
     def choose(self, verb: str, number: int) -> None:
         """Choose the target: "link" with this sender in the ring, "both" links of this robot, "driver", or "all"."""
-        link = arrow(LinkId.plans_from(number, self._robots))
+        link = arrow(LinkId.plans_from(number, self._robots, self._away))
         label = {"driver": arrow(DRIVING), "link": link, "both": f"Robot {number}: from and to"}
         chosen = label.get(verb, ALL)
         if chosen in self._target.options:
@@ -103,10 +107,10 @@ class FaultPanel:
 
     def draw(self, state: State, *, driven: bool) -> None:
         """Show the faults in force in the world, of a path that is driven or not."""
-        self._robots, self._driven = len(state.poses), driven
-        set_options(self._target, tuple(targets(self._robots, driven=driven)))
+        self._robots, self._driven, self._away = len(state.poses), driven, state.away
+        set_options(self._target, tuple(targets(self._robots, driven=driven, away=state.away)))
         set_if_changed(self._in_force, "content", in_force(state.faults))
-        fault = worst(state.faults, self.target, self._robots)
+        fault = worst(state.faults, self.target, self._robots, state.away)
         self._cut.show(bool(fault["cut"]))
         for key, slider in self._sliders.items():
             slider.show(min(round(SLIDERS[key].shown(float(fault[key])), 6), slider.control.max))
@@ -121,18 +125,19 @@ def in_force(faults: Mapping[LinkId, Fault]) -> str:
     return render("panels/faults_in_force.html", faults=sorted(faults.items()))
 
 
-def targets(robots: int, *, driven: bool = False) -> dict[str, tuple[str, ...]]:
-    """Labels of the targets that can be chosen, and the names of their links."""
+def targets(robots: int, *, driven: bool = False, away: Collection[int] = ()) -> dict[str, tuple[str, ...]]:
+    """Labels of the targets that can be chosen, and the names of their links, in a ring of which some are away."""
     orders = {arrow(DRIVING): (str(DRIVING),)} if driven else {}
     numbers = range(1, robots + 1)
     own = [*(LinkId.poses_to(i) for i in numbers), *(LinkId.commands_from(i) for i in numbers)]
     return {
         ALL: ("all",),
-        **{arrow(link): (str(link),) for link in plan_links(robots)},
+        **{arrow(link): (str(link),) for link in plan_links(robots, away=away)},
         **orders,
         **{
-            f"Robot {i}: from and to": (str(LinkId.plans_to(i, robots)), str(LinkId.plans_from(i, robots)))
+            f"Robot {i}: from and to": (str(LinkId.plans_to(i, robots, away)), str(LinkId.plans_from(i, robots, away)))
             for i in numbers
+            if i not in away
         },
         **{arrow(link): (str(link),) for link in own},
     }
@@ -143,8 +148,10 @@ def arrow(link: LinkId) -> str:
     return str(link).replace("->", " → ")
 
 
-def worst(faults: Mapping[LinkId, Fault], target: tuple[str, ...], robots: int) -> dict[str, Any]:
+def worst(
+    faults: Mapping[LinkId, Fault], target: tuple[str, ...], robots: int, away: Collection[int] = ()
+) -> dict[str, Any]:
     """The largest value of every key over the chosen links; a perfect link's if none is chosen."""
-    links = plan_links(robots) if target == ("all",) else [LinkId.parse(name) for name in target]
+    links = plan_links(robots, away=away) if target == ("all",) else [LinkId.parse(name) for name in target]
     shown = [faults.get(link, PERFECT) for link in links] or [PERFECT]
     return {key: max(getattr(fault, key) for fault in shown) for key in ("cut", *SLIDERS)}

@@ -29,7 +29,8 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
         return ""
     n = len(snapshot.state.poses)
     numbers = range(1, n + 1)
-    both = {i: {str(LinkId.plans_to(i, n)), str(LinkId.plans_from(i, n))} for i in numbers}
+    away = snapshot.state.away
+    both = {i: {str(LinkId.plans_to(i, n, away)), str(LinkId.plans_from(i, n, away))} for i in numbers}
     driven = snapshot.scenario is not None and snapshot.scenario.driven
     return render(
         "panels/link_matrix.html",

@@ -12,8 +12,8 @@ from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
 from network.messages import State, Status
 
-BUTTONS = {"kill": "bad", "restart": "muted"}
-"""Buttons of a row and their colours; of an agent that was killed, restart alone, in green."""
+BUTTONS = {"kill": "bad", "restart": "muted", "leave": "muted"}
+"""Buttons of a row and their colours."""
 
 
 class Row(NamedTuple):
@@ -26,8 +26,8 @@ class Row(NamedTuple):
     level: float
     """0 is healthy, 1 lost."""
     process: str
-    link: LinkView
-    """The link to it."""
+    link: LinkView | None
+    """The link to it; None if it has left the ring."""
     status: Status | None
     """The newest of this episode."""
     error: float
@@ -46,11 +46,12 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     """
     state = snapshot.state
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
-    rows = [_row(state, i, snapshot.statuses.get(i), links[i - 2]) for i in robots if state is not None]
+    to = {link.receiver: link for link in links}
+    rows = [_row(state, i, snapshot.statuses.get(i), to.get(i)) for i in robots if state is not None]
     return render("panels/robot_table.html", rows=rows, clickable=clickable, noise=snapshot.noise)
 
 
-def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row:
+def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:
     label = robot_label(state, robot)
     status = status if status is not None and status.episode == state.episode else None
     level, behind = 0.0 if label == "OK" else 1.0, lag(status, state)
@@ -70,5 +71,14 @@ def _row(state: State, robot: int, status: Status | None, link: LinkView) -> Row
         link=link,
         status=status,
         error=abs(float(state.distance_errors[robot - 1])),
-        buttons={"restart": "ok"} if robot in state.dismissed else BUTTONS,
+        buttons=_buttons(state, robot),
     )
+
+
+def _buttons(state: State, robot: int) -> dict[str, str]:
+    """Of an agent that was killed, restart alone, in green; of a robot that has left the ring, join in green."""
+    if robot in state.dismissed:
+        return {"restart": "ok"}
+    if robot in state.away:
+        return {**{verb: colour for verb, colour in BUTTONS.items() if verb != "leave"}, "join": "ok"}
+    return BUTTONS

@@ -106,11 +106,11 @@ def _tiles(state: State, links: list[LinkView], noise: float) -> list[Tile]:
 
 def _chips(state: State, links: list[LinkView]) -> list[tuple[str, str, float]]:
     """Of every robot: hue, text and health level; a healthy robot has the level of the link to it."""
-    n = len(state.poses)
+    n, levels = len(state.poses), {link.receiver: link.level for link in links}
     chips = []
     for robot in range(1, n + 1):
         label = robot_label(state, robot)
         healthy = label == "OK"
         text = f"R{robot}" if healthy else f"R{robot} {label}"
-        chips.append((hue(robot, n), text, links[robot - 2].level if healthy else 1.0))
+        chips.append((hue(robot, n), text, levels.get(robot, 0.0) if healthy else 1.0))
     return chips

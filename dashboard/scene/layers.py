@@ -3,8 +3,9 @@
 The length of every array depends on the scenario alone, so that points and colours always fit.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,11 +17,14 @@ from dashboard.theme import colours
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
+from formation.pattern import upstream
 from formation.unicycle import roll_out
 from network.messages import Plan, Status
 
 DASHES = 8
 """Segments of a link's shaft."""
+AWAY = -1e4
+"""Where what is not shown is drawn [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,15 +48,22 @@ class Sizes:
         return 0.0006 * layer * self.unit
 
 
-def edges(poses: FloatArray, z: float) -> FloatArray:
-    """(n, 2, 3): from every robot to its upstream neighbour."""
-    points = poses[:, :2]
-    return geometry.lifted(np.stack([points, np.roll(points, 1, axis=0)], axis=1), z)
+@lru_cache(maxsize=64)
+def upstream_rows(robots: int, away: tuple[int, ...] = ()) -> tuple[int, ...]:
+    """The row of each robot's upstream neighbour in the ring of those who are not away; theirs is their own."""
+    return tuple(i - 1 if i in away else upstream(i, robots, away) - 1 for i in range(1, robots + 1))
 
 
-def desired(slots: FloatArray, z: float) -> FloatArray:
-    """(6 n, 2, 3): dashes between neighbouring slots."""
-    a, b = slots[:, None, :2], np.roll(slots, 1, axis=0)[:, None, :2]
+def edges(poses: FloatArray, z: float, away: Sequence[int] = ()) -> FloatArray:
+    """(n, 2, 3): from every robot to its upstream neighbour; nothing to be seen of one that is away."""
+    points, before = poses[:, :2], list(upstream_rows(len(poses), tuple(away)))
+    return geometry.lifted(np.stack([points, points[before]], axis=1), z)
+
+
+def desired(slots: FloatArray, z: float, away: Sequence[int] = ()) -> FloatArray:
+    """(6 n, 2, 3): dashes between the slots of neighbours."""
+    before = list(upstream_rows(len(slots), tuple(away)))
+    a, b = slots[:, None, :2], slots[before, None, :2]
     at = (np.arange(6)[None, :, None] + np.array([0.2, 0.7])[:, None, None]) / 6.0  # (2, 6, 1)
     dashes = np.stack([a + (b - a) * at[0], a + (b - a) * at[1]], axis=2)
     return geometry.lifted(dashes.reshape(-1, 2, 2), z)
@@ -77,9 +88,15 @@ class Arrows:
 
 
 def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -> Arrows:
-    """One arrow per link, beside the edge, to the right of the direction from sender to receiver; dashed if lost."""
+    """One arrow per link, beside the edge, to the right of the direction from sender to receiver; dashed if lost.
+
+    Robots that are away send to nobody: their arrows are not to be seen.
+    """
     start = poses[:, 0] + 1j * poses[:, 1]  # complex numbers take half the time of pairs
-    gap = np.roll(start, -1) - start
+    senders = [link.sender - 1 for link in links]
+    gap, full = np.zeros_like(start), np.ones(len(poses))
+    gap[senders] = start[[link.receiver - 1 for link in links]] - start[senders]
+    full[senders] = [0.5 if link.lost else 1.0 for link in links]
     length = np.maximum(np.abs(gap), 1e-6)
     along = gap / length
     clear, aside = along * np.minimum(0.027 * sizes.unit, 0.4 * length), along * (-0.011j * sizes.unit)
@@ -88,9 +105,10 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     shaft = tip - along * np.minimum(0.011 * sizes.unit, 0.3 * length) - start
     dashes = np.empty((len(poses), DASHES, 2))
     dashes[..., 0] = np.arange(DASHES)
-    dashes[..., 1] = dashes[..., 0] + [[0.5 if link.lost else 1.0] for link in links]
+    dashes[..., 1] = dashes[..., 0] + full[:, None]
     shafts = start[:, None, None] + shaft[:, None, None] * (dashes / DASHES)
     z = sizes.z(layer)
+    tip[gap == 0.0] = complex(AWAY, AWAY)
     return Arrows(
         shafts=geometry.lifted(shafts.view(float).reshape(-1, 2, 2), z),
         tips=geometry.lifted(tip.view(float).reshape(-1, 2), z + 0.2 * sizes.z(1)),
@@ -98,9 +116,11 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     )
 
 
-def arrow_colours(links: list[LinkView], palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
+def arrow_colours(links: list[LinkView], robots: int, palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
     """Of the shafts (n DASHES, 2, 3) and of the heads (n, 3), encoded."""
-    colour = colours.encoded_health(np.array([link.level for link in links]), palette)
+    levels = np.zeros(robots)
+    levels[[link.sender - 1 for link in links]] = [link.level for link in links]
+    colour = colours.encoded_health(levels, palette)
     return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
 
 
@@ -150,10 +170,6 @@ def off(beliefs: list[BeliefView], poses: FloatArray) -> FloatArray:
             end[belief.sender - 1] += belief.offset
     at = (np.arange(DASHES)[:, None] + [0.0, 0.6]) / DASHES
     return np.asarray(start[:, None, None] + (end - start)[:, None, None] * at[None, :, :, None]).reshape(-1, 2, 2)
-
-
-AWAY = -1e4
-"""Where what is not shown is drawn [m]."""
 
 
 def told_ends(snapshot: Snapshot, robots: int) -> FloatArray:

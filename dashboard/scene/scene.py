@@ -127,7 +127,7 @@ class Scene:
         whole |= self._frame == 1
         self._move(snapshot.poses)
         if whole or scenario.size <= MANY or self._frame % 2:
-            self._connect(snapshot.poses, links)
+            self._connect(snapshot.poses, links, state.away)
         trails = whole or self._frame % SLOW == 1
         if trails:
             self._nodes["/trails"].points = geometry.segments(view.trails(snapshot.poses), self._sizes.z(2))
@@ -137,7 +137,7 @@ class Scene:
         if state is not self._state:
             self._state = state
             self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
-            self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3))
+            self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3), state.away)
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)
             self._believe(snapshot, view.beliefs, scenario.controller.horizon)
@@ -153,10 +153,10 @@ class Scene:
             drawn[name].batched_positions = geometry.lifted(poses[:, :2], sizes.z(layer))
             drawn[name].batched_wxyzs = turned
 
-    def _connect(self, poses: FloatArray, links: list[LinkView]) -> None:
+    def _connect(self, poses: FloatArray, links: list[LinkView], away: list[int]) -> None:
         """Move edges and links."""
         drawn, sizes = self._nodes, self._sizes
-        drawn["/edges"].points = layers.edges(poses, sizes.z(6))
+        drawn["/edges"].points = layers.edges(poses, sizes.z(6), away)
         arrows = layers.arrows(poses, links, sizes, 7)
         drawn["/links"].points = arrows.shafts
         drawn["/heads"].batched_positions = arrows.tips
@@ -166,7 +166,7 @@ class Scene:
         """Set the colours of health."""
         drawn, n = self._nodes, len(state.poses)
         drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
-        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, self._palette)
+        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, n, self._palette)
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
         key = (n, lost, stopped, self.focus)
         if key != self._robots_key:

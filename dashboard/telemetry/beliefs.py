@@ -73,7 +73,8 @@ def beliefs(
     n, found = len(poses), list[tuple[int, FloatArray, FloatArray]]()
     for receiver, status in sorted(statuses.items()):
         held = status.believes
-        if held is not None and status.episode == state.episode and 1 <= receiver <= n:
+        plays = 1 <= receiver <= n and receiver not in state.away
+        if held is not None and status.episode == state.episode and plays:
             found.append((receiver, *_at(held.pose, held.inputs, stamp - held.begins, interval)))
     steps = {len(left) for _, _, left in found}
     if len(steps) != 1:  # none, or of agents that differ in their horizon: they are no agents of this scenario
@@ -81,7 +82,7 @@ def beliefs(
     lines = roll_out(np.array([pose for _, pose, _ in found]), np.array([left for _, _, left in found]), interval)
     views = []
     for (receiver, pose, _), line in zip(found, lines, strict=True):
-        sender = upstream(receiver, n)
+        sender = upstream(receiver, n, state.away)
         views.append(BeliefView(receiver, sender, pose, line[:, :2], pose[:2] - poses[sender - 1, :2]))
     return views
 

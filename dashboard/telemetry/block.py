@@ -194,7 +194,7 @@ class Block:
                 seq=0,
                 stamp=stamp,
                 episode=rare.episode,
-                link=LinkId(upstream(robot, n), robot),
+                link=LinkId(upstream(robot, n, rare.away), robot),
                 age=values[_AGE],
                 plan=plan,
                 held=None,

@@ -74,7 +74,7 @@ class History:
         ages = [link.age for link in links if link.age is not None] or [0.0]
         solves = [status.solve for status in statuses.values() if status.episode == state.episode]
         offs = [1e3 * belief.error for belief in beliefs]
-        distance = 1e3 * np.abs(state.distance_errors)
+        distance = 1e3 * np.abs(np.delete(state.distance_errors, [robot - 1 for robot in state.away]))
         passed = [at for at in self._marks if at <= state.stamp]
         self._marks = [at for at in self._marks if at > state.stamp]
         return np.array(

@@ -66,8 +66,8 @@ class LinkView:
 
 
 def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
-    """Every link of the ring, ordered by sender."""
-    return [_link(state, statuses, link) for link in plan_links(len(state.poses))]
+    """Every link of the ring, ordered by sender; robots that have left it have none."""
+    return [_link(state, statuses, link) for link in plan_links(len(state.poses), away=state.away)]
 
 
 def driver_link(state: State, statuses: Mapping[int, Status]) -> LinkView:

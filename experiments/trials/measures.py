@@ -55,9 +55,9 @@ class Record:
     poses: FloatArray
     """(T, n, 3) [m, m, rad]."""
     distance: FloatArray
-    """(T, n) l_e [m]."""
+    """(T, n) l_e [m]; NaN while a robot is not in the ring."""
     angle: FloatArray
-    """(T, n) psi_e [rad]."""
+    """(T, n) psi_e [rad]; NaN likewise."""
     tracking: FloatArray
     """(T,) distance of the robots' mean position to the path's point [m]."""
     ages: FloatArray
@@ -98,6 +98,9 @@ def record(
     """
     first = min(len(trace.times) - 2, round(warmup / scenario.control_interval))
     distance, angle, tracking = trace.errors()
+    level, there = distance, trace.present
+    if not there.all():
+        distance, angle = np.where(there, distance, np.nan), np.where(there, angle, np.nan)
     window = max(1, round((event.window if event else 0.0) / scenario.control_interval))
     return Record(
         times=trace.times[first:],
@@ -107,13 +110,25 @@ def record(
         tracking=tracking[first:],
         ages=trace.ages[first:],
         counts=tuple(counts.values()),
-        level=trailing_rms(distance, window)[first:].max(axis=1),
+        level=trailing_rms(level, window)[first:].max(axis=1),
         event=event,
         radii=tuple(scenario.bodies.radii(scenario.size)),
         inputs=trace.inputs[first:],
         duration=float(trace.times[-1]),
         plan_bytes=plan_bytes,
     )
+
+
+def _pooled(errors: FloatArray) -> float:
+    """RMS over all robots while they were in the ring."""
+    return float(rms(errors[np.isfinite(errors)])) if np.isnan(errors).any() else rms(errors.ravel())
+
+
+def _worst(errors: FloatArray) -> float:
+    """RMS of the robot whose is largest, each while it was in the ring."""
+    if not np.isnan(errors).any():
+        return float(rms(errors, axis=0).max())
+    return max(_pooled(column) for column in errors.T if np.isfinite(column).any())
 
 
 def _recovery(trial: Record) -> float | None:
@@ -130,7 +145,7 @@ def _recovery(trial: Record) -> float | None:
 def _event_max(trial: Record) -> float:
     """The largest |l_e| from the event's beginning on [m]."""
     assert trial.event is not None
-    return float(np.abs(trial.distance[trial.times >= trial.event.at - 1e-9]).max())
+    return float(np.nanmax(np.abs(trial.distance[trial.times >= trial.event.at - 1e-9])))
 
 
 def _contacts(trial: Record) -> Contacts:
@@ -180,11 +195,11 @@ class Measure:
 BYTES = "bytes_per_s"
 """The measure that needs every plan's bytes."""
 MEASURES: dict[str, Measure] = {
-    "distance_rms_m": Measure(lambda t: float(rms(t.distance, axis=0).max()), "m", "RMS of $l_e$, worst robot"),
-    "distance_pooled_m": Measure(lambda t: float(rms(t.distance.ravel())), "m", "RMS of $l_e$, all robots"),
-    "distance_max_m": Measure(lambda t: float(np.abs(t.distance).max()), "m", "largest $|l_e|$"),
-    "distance_final_m": Measure(lambda t: float(np.abs(t.distance[-1]).max()), "m", "final $|l_e|$, worst robot"),
-    "angle_rms_rad": Measure(lambda t: float(rms(t.angle, axis=0).max()), "rad", r"RMS of $\psi_e$, worst robot"),
+    "distance_rms_m": Measure(lambda t: _worst(t.distance), "m", "RMS of $l_e$, worst robot"),
+    "distance_pooled_m": Measure(lambda t: _pooled(t.distance), "m", "RMS of $l_e$, all robots"),
+    "distance_max_m": Measure(lambda t: float(np.nanmax(np.abs(t.distance))), "m", "largest $|l_e|$"),
+    "distance_final_m": Measure(lambda t: float(np.nanmax(np.abs(t.distance[-1]))), "m", "final $|l_e|$, worst robot"),
+    "angle_rms_rad": Measure(lambda t: _worst(t.angle), "rad", r"RMS of $\psi_e$, worst robot"),
     "tracking_rms_m": Measure(lambda t: rms(t.tracking), "m", "RMS of centre to path"),
     "tracking_max_m": Measure(lambda t: float(t.tracking.max()), "m", "largest centre to path"),
     "tracking_final_m": Measure(lambda t: float(t.tracking[-1]), "m", "final centre to path"),

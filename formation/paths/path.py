@@ -1,8 +1,9 @@
 """What every reference path has, and its heading as the paper samples it."""
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import model_validator
 
 from formation.arrays import FloatArray
 from formation.schema import Model
@@ -13,10 +14,18 @@ class Path(Model):
 
     known_to: Literal["all", "leader"] = "all"
     """Who evaluates it: every robot, or robot 1 alone, whose preview the others pass on round the ring."""
+    leader: Literal["fixed", "next"] = "fixed"
+    """If robot 1 leaves the ring, which alone knew the path: the formation stops, or the next one in the ring leads."""
     wait_for_lost: bool = False
     """Whether all robots wait while one of them is not told the path any more; only with known_to = "leader"."""
     lengths: ClassVar[tuple[str, ...]] = ()
     """Keys that are lengths or speeds: a path with all of them twice as large is twice as large, in the same time."""
+
+    @model_validator(mode="after")
+    def _led(self) -> Self:
+        if self.leader == "next" and self.known_to != "leader":
+            raise ValueError('leader: expected known_to = "leader" for next; got all')
+        return self
 
     @property
     def period(self) -> float | None:

@@ -1,10 +1,11 @@
 """The [membership] table of a scenario: who leaves the ring and joins it again, and when a lost robot leaves."""
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from formation.formation_spec import Formation
 from formation.schema import Duration, Model
 
 LEAST = 2
@@ -37,14 +38,19 @@ class Membership(Model):
 
     patience: Duration = 3.0
     """A robot whose agent has been gone for so long leaves, until an agent of it is back; 0: never [s]."""
+    shape: Literal["keep", "close"] = "keep"
+    """The others keep their places and leave the gap, or take the formation's shape for as many as they are."""
     changes: tuple[MembershipChange, ...] = ()
 
     def away(self, now: float) -> frozenset[int]:
         """Robots that are away by the scenario at a time [s]."""
         return frozenset(change.robot for change in self.changes if change.away(now))
 
-    def mistakes(self, robots: int) -> Iterator[str]:
-        """What is wrong with it for so many robots."""
+    def mistakes(self, formation: Formation) -> Iterator[str]:
+        """What is wrong with it for this formation."""
+        robots = len(formation.array)
+        if self.shape == "close" and formation.shape is None:
+            yield "membership.shape: expected the name of a shape that fewer robots can take; got formation.offsets"
         for index, change in enumerate(self.changes):
             if change.robot > robots:
                 yield f"membership.changes[{index}].robot: expected 1 to {robots}; got {change.robot}"

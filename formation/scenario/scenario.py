@@ -119,7 +119,7 @@ class Scenario(Model):
             nominal(self.body, self.control_interval)
         except ValueError as error:
             raise ValueError(f"bodies.{error}") from None
-        for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.size)):
+        for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.formation)):
             raise ValueError(line)
         wrong = self.offsets.crowded()
         if wrong:

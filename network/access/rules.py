@@ -15,7 +15,17 @@ from network.topics import ALIVE, ASKERS, TOPICS, Role
 
 NUMBERED: tuple[Role, ...] = ("agent", "body")
 """Roles of which there is one process per robot."""
-SINGLE: tuple[Role, ...] = ("world", "ghost", "dashboard", "recorder", "launcher", "display", "operator", "observer")
+SINGLE: tuple[Role, ...] = (
+    "world",
+    "ghost",
+    "dashboard",
+    "recorder",
+    "launcher",
+    "keeper",
+    "display",
+    "operator",
+    "observer",
+)
 _DELIVERED = [
     "put",
     "query",
@@ -76,7 +86,7 @@ def _own(run: str, role: Role, number: int) -> dict[str, tuple[list[str], list[s
         "publishes": (["put"], published),
         "answers": (["declare_queryable", "reply"], answered),
         "orders": (["query"], [topics.control(run)] if role in ASKERS else []),
-        "appears": (["liveliness_token"], [ALIVE.key(run, number, role)]),
+        "appears": (["liveliness_token"], [ALIVE.key(run, "*" if role == "keeper" else number, role)]),
     }
     return {kind: (messages, keys) for kind, (messages, keys) in found.items() if keys}
 

@@ -14,10 +14,10 @@ from network.bus import Connection, Presence, Sample
 from network.codec import decode
 from network.messages import State
 from network.zenoh_bus import ZenohBus
-from runtime.agent_keeper import AgentKeeper
 from runtime.endings import Endings
 from runtime.hosts.authority import write_private
 from runtime.hosts.enrolment import Admission
+from runtime.keeping.agent_keeper import AgentKeeper
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agents
 from runtime.run_registry import Claim, free_name
@@ -92,7 +92,7 @@ class JoinedRun:
             self._session = ZenohBus(self._endpoint, self._run, keys=keys, insecure=insecure)
             self._session.subscribe(topics.state(self._run))
             self._session.watch()
-            self._keeper = AgentKeeper(self._supervisor, partial(agents, plan), self.robots)
+            self._keeper = AgentKeeper(self._supervisor, partial(agents, plan))
             self._supervisor.start(agents(plan, self.robots))
         except BaseException:
             self.__exit__(None, None, None)
@@ -131,6 +131,6 @@ class JoinedRun:
                 case _:
                     pass
         if state is not None:
-            self._keeper.keep(state)
+            self._keeper.keep(state, self.robots)
         self._gone = 0.0 if self._connected and self._launched else self._gone + WATCH_SECONDS
         return self._gone < GONE_SECONDS

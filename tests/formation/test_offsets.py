@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linear_sum_assignment
 
 from formation.errors import ScenarioError
 from formation.formation_spec import Formation
 from formation.metrics import clearance
-from formation.offsets import SHARE, Offsets
+from formation.offsets import SHARE, Offsets, assignment
 from formation.paths.kinds import Circle, Line
 from formation.scenario.files import load
 from formation.shapes import SHAPES
@@ -57,6 +58,14 @@ def test_random_shapes_spaced_by_d_never_come_closer_than_d_over_root_two(seed: 
     changing = {"offsets": two[0], "changes": [{"at": 0.0, "over": 1.0, "offsets": two[1]}]}
     offsets = Offsets(Formation.model_validate(changing), PATH)
     assert clearance(offsets.at(np.linspace(0.0, 1.0, 101))) > 1.0 / math.sqrt(2.0) - 1e-9
+
+
+@given(st.integers(1, 12), st.integers(0, 10_000), st.booleans())
+def test_the_assignment_is_the_best_one_and_of_equal_ones_the_same_as_ever(n: int, seed: int, even: bool) -> None:
+    draws = np.random.default_rng(seed)
+    here, there = (draws.integers(0, 3, (n, 2)) * 0.1 if even else draws.normal(size=(n, 2)) for _ in range(2))
+    cost = ((here[:, None] - there[None]) ** 2).sum(axis=-1)
+    assert assignment(here, there) == list(linear_sum_assignment(cost)[1])
 
 
 def test_without_reassignment_row_i_is_robot_i() -> None:

@@ -16,6 +16,7 @@ LINES = messages.Lines("edges", np.array([[0.0, 0.5], [1.0, -2.0]]), [(1.0, 0.5,
 """All are exact in binary, so that rounding pictures does not change them."""
 
 ENCODED: dict[str, tuple[str, bytes]] = {
+    "twist": ("geometry_msgs/Twist", messages.twist(VELOCITY)),
     "twist_stamped": ("geometry_msgs/TwistStamped", messages.twist_stamped(STAMP, "robot1", VELOCITY)),
     "odometry": ("nav_msgs/Odometry", messages.odometry(STAMP, "robot12", POSE, VELOCITY)),
     "transforms": ("tf2_msgs/TFMessage", messages.transforms(STAMP, [("robot1", PATH[0]), ("slot2", PATH[0])])),
@@ -28,7 +29,7 @@ ENCODED: dict[str, tuple[str, bytes]] = {
     ),
     "log": ("rcl_interfaces/Log", messages.log(STAMP, "warning", "fault", "1->2: Ausfall für 3 s")),
 }
-"""By name: type and bytes."""
+"""What is sent, by name: type and bytes."""
 
 
 def time(stamp: int) -> dict[str, int]:
@@ -84,7 +85,9 @@ def _marker(namespace: str) -> dict[str, Any]:
 
 NOTHING = [0.0] * 36
 VALUES: dict[str, dict[str, Any]] = {
+    "twist": twist(0.125, -0.75),
     "twist_stamped": {"header": header(frame="robot1"), "twist": twist(0.125, -0.75)},
+    "pose_stamped": {"header": header(frame="a long frame"), "pose": pose(0.25, -1.5, 0.5)},
     "odometry": {
         "header": header(),
         "child_frame_id": "robot12",
@@ -106,4 +109,6 @@ VALUES: dict[str, dict[str, Any]] = {
         "line": 0,
     },
 }
-"""By name: the same as fields."""
+"""By name: the same as fields, and what is only read."""
+TYPES = {name: kind for name, (kind, _) in ENCODED.items()} | {"pose_stamped": "geometry_msgs/PoseStamped"}
+"""By name."""

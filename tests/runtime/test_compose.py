@@ -14,8 +14,8 @@ from formation.errors import ScenarioError
 from formation.loading.source import LOADED, Source
 from formation.scenario.files import load, shipped
 from formation.scenario.overrides import Overrides, from_json
-from runtime.compose import PAGE_PORT, ROUTER_PORT, RUN, SAVED, compose_file, plan
-from runtime.process_list import Program, RunPlan, programs
+from runtime.compose import ISSUING, KEYS, PAGE_PORT, ROUTER_PORT, RUN, SAVED, compose_file, plan, service_name
+from runtime.process_list import RunPlan, programs
 from tests.user_code import clean, hold_slot
 
 __all__ = ["clean", "hold_slot"]
@@ -40,13 +40,14 @@ def parsed(text: str) -> dict[str, Any]:
     return found
 
 
-def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
+def all_services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
     found: dict[str, Any] = parsed(compose_file(scenario, load(scenario, overrides or {}), overrides))["services"]
     return found
 
 
-def service_name(program: Program) -> str:
-    return program.name.replace(" ", "-")
+def services(scenario: str = SCENARIO, overrides: Overrides | None = None) -> dict[str, Any]:
+    """Those that are processes of the run."""
+    return {name: made for name, made in all_services(scenario, overrides).items() if name != "keys"}
 
 
 def without(arguments: Sequence[str], *flags: str) -> list[str]:
@@ -78,47 +79,66 @@ def test_one_service_per_program(scenario: str) -> None:
     assert {name: service["command"] for name, service in services(scenario).items()} == expected
 
 
-def test_overrides_reach_the_world_and_the_number_of_robots() -> None:
+def test_overrides_reach_the_world_and_nobody_else_counts_robots() -> None:
     overrides = {"formation": {"robots": 5}, "controller": {"name": "paper"}, "source": 'it\'s a "test" of $HOME'}
     found = services("ring-16", overrides)
-    assert [name for name in found if name.startswith("agent-")] == [f"agent-{i}" for i in (1, 2, 3, 4, 5)]
+    assert found["agents"] == services()["agents"]
     command = found["world"]["command"]
     text = command[command.index("--overrides") + 1].replace("$$", "$")  # as compose reads it
     assert from_json(text) == overrides
 
 
 def test_the_same_processes_as_the_launcher_starts() -> None:
-    """Only where they meet differs: endpoint, that no stranger reaches it, the run's folder, the page's host."""
+    """Only where they meet differs, and that one process keeps all agents, as many as the world then has."""
     socket, page = "unixsock-stream/S", ("127.0.0.1", PAGE_PORT)
     here = RunPlan(RUN, SCENARIO, socket, (socket,), endless=True, folder="F", dashboard=page, ghost=True)
-    places = ("--connect", "--listen", "--folder", "--host")
+    places = ("--connect", "--listen", "--folder", "--host", "--keys", "--scenario")
     launched = {
-        service_name(program): ["python", "-m", program.module, *without(program.arguments, *places)]
+        program.name: ["python", "-m", program.module, *without(program.arguments, *places)]
         for program in programs(here, load(SCENARIO))
     }
+    agents = {name: launched.pop(name) for name in [*launched] if name.startswith("agent ")}
     composed = {name: without(service["command"], *places) for name, service in services().items()}
-    assert {name: [word for word in words if word != "--insecure"] for name, words in composed.items()} == launched
+    kept = composed.pop("agents")
+    assert composed == launched
+    for command in agents.values():
+        assert without(command[3:], "--id") == kept[3:]
+
+
+def test_the_scenario_is_that_of_the_environment_and_nothing_else_is() -> None:
+    text = compose_file(SCENARIO, load(SCENARIO), {"source": "$HOME"}, record=True)
+    variables = re.findall(r"\$\{[^}]*\}|\$", text.split("services:", 1)[1].replace("$$", ""))
+    assert variables == [f"${{SCENARIO:-{SCENARIO}}}"] * 2  # of the world, and in the record's name
 
 
 def test_commands_in_any_container_are_for_its_run() -> None:
-    expected = {"ECHELON_CONNECT": f"tcp/router:{ROUTER_PORT}", "ECHELON_RUN": RUN}
-    expected |= {"ECHELON_INSECURE": "1", "ECHELON_IN_CONTAINER": "1"}
+    expected = {"ECHELON_CONNECT": f"tls/router:{ROUTER_PORT}", "ECHELON_RUN": RUN}
+    expected |= {"ECHELON_KEYS": KEYS, "ECHELON_IN_CONTAINER": "1"}
     assert all(service["environment"] == expected for service in services().values())
 
 
 def test_the_world_saves_the_run_where_only_its_own_container_keeps_it() -> None:
     found = services()
     assert [name for name, service in found.items() if SAVED in service["command"]] == ["world"]
-    assert f"{SAVED} && chown" in (ROOT / "Dockerfile").read_text()
-    assert "volumes" not in found["world"]  # or the next run would go on from this one
+    assert re.search(rf"mkdir .*{SAVED} .*&& chown 10001:10001 .*{SAVED} ", (ROOT / "Dockerfile").read_text())
+    assert found["world"]["volumes"] == [f"keys:{KEYS}:ro"]  # with another, the next run would go on from this one
 
 
 def test_everybody_meets_at_the_router() -> None:
     for name, service in services().items():
         flag = "--listen" if name == "router" else "--connect"
         where = service["command"][service["command"].index(flag) + 1]
-        assert where == f"tcp/{'0.0.0.0' if name == 'router' else 'router'}:{ROUTER_PORT}"
-        assert service.get("depends_on") == (None if name == "router" else ["router"])
+        assert where == f"tls/{'0.0.0.0' if name == 'router' else 'router'}:{ROUTER_PORT}"
+        first = {"keys": {"condition": "service_completed_successfully"}}
+        assert service["depends_on"] == (first if name == "router" else ["router"])
+
+
+def test_keys_are_made_before_all_else_where_only_services_of_the_run_see_them() -> None:
+    found = all_services()
+    assert (found["keys"]["command"], found["keys"]["volumes"]) == ([*ISSUING], [f"keys:{KEYS}"])
+    assert all(service["volumes"] == [f"keys:{KEYS}:ro"] for name, service in found.items() if name != "keys")
+    assert parsed(compose_file(SCENARIO, load(SCENARIO)))["volumes"] == {"keys": {}}
+    assert f"chmod 700 {KEYS}" in (ROOT / "Dockerfile").read_text()
 
 
 def test_only_the_page_is_published_and_only_on_loopback() -> None:
@@ -127,12 +147,12 @@ def test_only_the_page_is_published_and_only_on_loopback() -> None:
         "dashboard": [f"127.0.0.1:{PAGE_PORT}:{PAGE_PORT}"]
     }
     assert all(service["networks"] == ["formation"] for service in found.values())
-    doors = {"network_mode", "expose", "volumes", "privileged", "cap_add", "devices", "pid", "ipc"}
+    doors = {"network_mode", "expose", "privileged", "cap_add", "devices", "pid", "ipc"}
     assert not any(doors & set(service) for service in found.values())
 
 
 def test_no_service_can_do_more_than_it_must() -> None:
-    for name, service in services().items():
+    for name, service in all_services().items():
         assert service["user"] == "10001:10001"
         assert service["read_only"] is (name != "world")  # which saves the run
         assert service["cap_drop"] == ["ALL"]
@@ -144,8 +164,8 @@ def test_no_service_can_do_more_than_it_must() -> None:
 def test_every_service_is_checked_as_what_it_is() -> None:
     for program in programs(plan(SCENARIO, {}), load(SCENARIO)):
         check = services()[service_name(program)]["healthcheck"]
-        where = ["--run", RUN, "--connect", f"tcp/router:{ROUTER_PORT}", "--insecure"]
-        who = ["--role", program.role, "--id", str(program.number)]
+        where = ["--run", RUN, "--connect", f"tls/router:{ROUTER_PORT}", "--keys", KEYS]
+        who = ["--role", program.role]
         assert check["test"] == ["CMD", "python", "-m", "network.health", *where, *who]
 
 
@@ -184,10 +204,10 @@ def test_the_folder_of_code_of_ones_own_is_mounted_where_it_is_loaded(hold_slot:
     found = services(SCENARIO, overrides)
     folder = spec.rpartition("/")[0]
     for service, made in found.items():
-        loads = service.startswith("agent-") or service == "ghost"
-        assert ("volumes" in made) == loads, service
+        loads = service in ("agents", "ghost")
+        assert (len(made["volumes"]) == 2) == loads, service
         if loads:
-            (volume,) = made["volumes"]
+            _, volume = made["volumes"]
             assert (volume["source"], volume["read_only"]) == (folder, True)
             assert f"{volume['target']}/mine.py:HoldSlot" in made["command"]
         assert ("--controllers" in made["command"]) == (service == "world")
@@ -202,7 +222,7 @@ def test_an_installed_module_is_refused_for_the_image_does_not_have_it(tmp_path:
 def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
     text = compose_file(SCENARIO, load(SCENARIO), record=True)
     found = parsed(text)
-    assert found["services"].keys() - services().keys() == {"recorder"}
-    assert found["services"]["recorder"]["volumes"] == ["records:/records"]
-    assert found["volumes"] == {"records": {}}
+    assert found["services"].keys() - all_services().keys() == {"recorder"}
+    assert found["services"]["recorder"]["volumes"] == [f"keys:{KEYS}:ro", "records:/records"]
+    assert found["volumes"] == {"keys": {}, "records": {}}
     assert "chown 10001:10001 /records" in (ROOT / "Dockerfile").read_text()

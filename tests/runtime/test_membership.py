@@ -10,7 +10,7 @@ from formation.link_ids import LinkId, plan_links
 from formation.pattern import downstream, upstream
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
-from network.interventions import Join, Leave
+from network.interventions import Join, Leave, Reshape
 from records.record import load as read
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
@@ -136,6 +136,55 @@ def test_without_the_leader_nobody_tells_the_path_and_an_event_names_it() -> Non
     simulation.simulate()
     assert any("nobody tells the robots the path" in event.text for event in simulation.world.events)
     assert np.abs(simulation.trace.inputs[-1]).max() < 0.02
+
+
+@pytest.mark.parametrize("name", ["follow-the-leader", "drive-me"])
+def test_with_another_leader_the_formation_goes_on(name: str) -> None:
+    settings = ["duration=5", "path.leader=next", "membership.changes=[{robot=1, leave=1, join=4}]", "bodies=ideal"]
+    driven = ["path.commands=[[0, 0.1, 0.3]]"] if name == "drive-me" else []
+    simulation = Simulation(load(name, [*settings, *driven]))
+    simulation.simulate()
+    assert [event.text for event in simulation.world.events if event.text.endswith("tells the others the path")] == [
+        "robot 2 tells the others the path",
+        "robot 1 tells the others the path",
+    ]
+    distance, _, tracking = simulation.trace.errors()
+    alone = (simulation.trace.times > 2.5) & (simulation.trace.times < 4.0)
+    assert tracking[alone].max() < 0.01
+    assert np.abs(distance[alone]).max() < 0.01
+
+
+def test_with_close_those_who_stay_take_the_shape_for_as_many_as_they_are_in_both_engines() -> None:
+    task = scenario("membership.shape=close")
+    simulation = Simulation(task)
+    while simulation.world.now < AWAY[1] - 0.1:
+        simulation.step()
+    places = simulation.world.scenario.offsets.after(AWAY[0])[[0, 2, 3, 4]]
+    apart = np.hypot(*(places[:, None] - places[None]).T)
+    np.testing.assert_allclose(np.sort(apart, axis=0)[1:3], 0.1, err_msg="a square of four")
+    state = simulation.world.state(seq=0, status="running")
+    assert max(np.abs(state.distance_errors).max(), state.tracking_error) < 3e-3
+    simulation.simulate()
+    assert np.abs(simulation.trace.errors()[0][-1]).max() < 5e-3
+    shadow = Shadow(task, "nash", 0)
+    shadow.learn([], [], simulation.world.interventions.since(0))
+    live = MemoryRun(scenario("membership.shape=close", "duration=5"))
+    live.finish()
+    assert live.world.trace is not None
+    np.testing.assert_array_equal(live.world.trace.poses, simulation.trace.poses[: len(live.world.trace.poses)])
+    while shadow.k < 500:
+        shadow.step()
+    np.testing.assert_array_equal(shadow.poses, simulation.trace.poses[500])
+
+
+def test_a_shape_that_a_user_orders_meanwhile_is_for_those_who_stay() -> None:
+    world = World(load("ring-16", ["formation.robots=5", "membership.shape=close"]), endless=True)
+    world.intervene(Leave(robot=2))
+    world.intervene(Reshape(shape="line"))
+    world.intervene(Leave(robot=4))
+    final = world.scenario.offsets.after(0.0)
+    assert np.ptp(final[[0, 2, 4], 0]) < 1e-9
+    np.testing.assert_allclose(np.sort(final[[0, 2, 4], 1]), [-0.1, 0.0, 0.1], atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from formation.errors import ScenarioError
+from formation.errors import EchelonError, ScenarioError
 from formation.scenario.files import load
 from network import topics
 from network.bodies import BodyInput, BodyPose
 from network.bus import Publish, Query, Reject, Sample
 from network.codec import decode, encode
+from network.interventions import Move, Push
 from network.requests import Request
 from tests.builders import command
 from world.bodies.mixed import MixedBodies
@@ -125,6 +126,16 @@ def test_only_a_real_robots_own_body_says_where_it_is(sample: Sample) -> None:
     assert not rest
     assert isinstance(actions[0], Reject)
     assert world.tick().localised == [1, 3]
+
+
+def test_a_real_robot_is_not_pushed_and_its_user_is_told() -> None:
+    world, _ = mixed()
+    for order in (Push(robot=2, kind="gust"), Move(robot=2, dx=0.1, dy=0.0)):
+        with pytest.raises(EchelonError, match="robot 2 is a real one: push it by hand"):
+            world.intervene(order)
+    world.intervene(Push(robot=1, kind="gust"))
+    with pytest.raises(ScenarioError, match="robot 2 is a real one"):
+        mixed("disturbances=[{robot=2, at=1.0, drift=[0.1, 0.0, 0.0]}]")
 
 
 def test_real_robots_stand_beside_wheeled_ones_only() -> None:

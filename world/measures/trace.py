@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from formation.arrays import FloatArray, timeline
+from formation.arrays import BoolArray, FloatArray, timeline
 from formation.driving.reference import DrivenReference
 from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, quantile, rms, tracking_error, tracking_error_of_some
@@ -127,6 +127,14 @@ class Trace:
         return [
             (begin, end, away) for (begin, away), end in zip(self._rings, ends, strict=True) if away and end > begin
         ]
+
+    @property
+    def present(self) -> BoolArray:
+        """(T + 1, n): whether each robot was in the ring; one that was away has no errors."""
+        found = np.ones(self.poses.shape[:2], dtype=bool)
+        for begin, end, away in self._closed():
+            found[begin:end, [robot - 1 for robot in away]] = False
+        return found
 
     def _present(self, robot: int, first: int) -> "slice | FloatArray":
         """Rows from `first` on in which a robot takes part: all, or a mask."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dashboard.scene.layers import Sizes, arrows, believed, horizons, off, own_plans
+from dashboard.scene.layers import Sizes, arrows, believed, edges, horizons, off, own_plans
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
@@ -51,6 +51,18 @@ def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_da
         assert drawn.directions[sender] == pytest.approx(np.arctan2(way[1], way[0]))
         gaps = shafts[sender, 1:, 0] - shafts[sender, :-1, 1]
         assert (np.abs(gaps) > 1e-6).any() == (sender == 0), "dashed if cut, else in one piece"
+
+
+def test_the_ring_is_drawn_closed_over_a_robot_that_is_away() -> None:
+    poses = np.random.default_rng(1).uniform(-0.5, 0.5, (4, 3))
+    now = state(4, away=[2], live=[1, 3, 4])
+    lines = edges(poses, 0.0, now.away)[..., :2]
+    np.testing.assert_array_equal(lines[2], poses[[2, 0], :2])
+    assert np.ptp(lines[1], axis=0).max() == 0.0, "nothing to be seen"
+    drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
+    way = poses[2, :2] - poses[0, :2]
+    assert drawn.directions[0] == pytest.approx(np.arctan2(way[1], way[0]))
+    assert np.abs(drawn.tips[1, :2]).min() > 1e3, "out of sight"
 
 
 @pytest.mark.parametrize("elapsed", [0.0, 0.25, 1.0, 5.0])

@@ -28,6 +28,7 @@ ROLES = (
     "dashboard",
     "recorder",
     "launcher",
+    "keeper",
     "operator",
     "observer",
 )

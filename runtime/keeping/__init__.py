@@ -1,0 +1,1 @@
+"""Keeps agents alive, as the world wishes: those of a host, or of one of several equal containers."""

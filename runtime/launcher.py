@@ -11,8 +11,9 @@ from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
-from formation.schema import MAX_ROBOTS
 from network import topics
+from network.access.robot_numbers import spelled
+from network.access.rules import MAX_KEYED
 from network.bus import Sample
 from network.codec import decode
 from network.control import GetSummary
@@ -64,9 +65,14 @@ class LiveRun:
             options: of runtime.process_list.RunPlan.
 
         Raises:
-            EchelonError: the controller cannot run as processes.
+            EchelonError: the controller cannot run as processes, or there would be too many elsewhere.
         """
         check_live(scenario.controller.name)
+        distant = set() if here is None else set(range(1, scenario.size + 1)) - here
+        if distant and max(distant) > MAX_KEYED:
+            raise EchelonError(
+                f"--agents: expected agents of other hosts up to robot {MAX_KEYED}; {spelled(distant)} would be theirs"
+            )
         self._scenario, self._tell = scenario, tell
         self._name, self._options = name, options
         self._claim: Claim | None = None
@@ -131,8 +137,9 @@ class LiveRun:
     def _vacant(self) -> set[int]:
         """Robots whose agents are other hosts' to run, and not there."""
         state = self._state
-        robots = range(1, (self._scenario.size if state is None else min(len(state.poses), MAX_ROBOTS)) + 1)
-        return set(robots) - (set(robots) if self._here is None else self._here) - set(state.live if state else ())
+        robots = range(1, (self._scenario.size if state is None else len(state.poses)) + 1)
+        here = set(robots) if self._here is None else self._here
+        return {robot for robot in robots if robot <= MAX_KEYED} - here - set(state.live if state else ())
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

@@ -6,8 +6,8 @@ from types import TracebackType
 from typing import Self
 
 from formation.errors import WireError
-from formation.schema import MAX_ROBOTS
 from network import topics
+from network.access.rules import MAX_KEYED
 from network.bus import Bus, Presence, Sample
 from network.codec import decode
 from network.messages import State
@@ -68,4 +68,4 @@ class Keeper:
                 case _:
                     pass
         if state is not None:
-            self._keeper.keep(state, self._shares.of(range(1, MAX_ROBOTS + 1)))
+            self._keeper.keep(state, self._shares.of(range(1, MAX_KEYED + 1)))

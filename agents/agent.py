@@ -25,7 +25,9 @@ from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Command, Plan, Status, Tick
-from network.values import LinkCounts
+from network.values import LinkCounts, maker
+
+_make_plan, _make_command = maker(Plan), maker(Command)
 
 
 class Agent:
@@ -71,13 +73,10 @@ class Agent:
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
         self._speed: FloatArray = STILL
         self._last: tuple[int, Solution, FloatArray, FloatArray] | None = None
-        self._failure = ""
-        """Of a user's own controller, once it has failed: until a reset the robot stands, and publishes no plan."""
-        self.observation: Observation | None = None
-        """What the controller was asked with last."""
+        self._failure = ""  # of a user's own controller: until a reset the robot stands, and publishes no plan
+        self.observation: Observation | None = None  # what the controller was asked with last
         self._sending = Sending(own.send_when, scenario.spacing)
-        self._acting, self._fresh = 0.0, True
-        self._solves: list[float] = []
+        self._acting, self._fresh, self._solves = 0.0, True, list[float]()
 
     def set_faults(self, faults: Mapping[LinkId, Fault]) -> None:
         """Set the faults of the links to this robot from now on; a link that is not named is perfect."""
@@ -101,7 +100,7 @@ class Agent:
 
     @property
     def heard(self) -> int:
-        """seq of the newest plan of the upstream neighbour that came in physically; -1 before the first."""
+        """seq of the upstream neighbour's newest plan that came in physically; -1 before the first."""
         return self._receivers[0].newest
 
     def lacks(self, tick: Tick) -> bool:
@@ -158,12 +157,12 @@ class Agent:
         v, omega = self._avoidance.filter(k, self._speed, *self._input(k))
         self._motors.command(k, v, omega)
         good, off = self._converged, self._avoidance.who
-        command = Command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
+        command = _make_command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
         return Answer(command, plan)
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
-        command = Command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
+        command = _make_command(self.robot, k, stamp, self.episode, 0.0, 0.0, age, False, 0.0, failure=self._failure)
         return Answer(command, None)
 
     def _measure(self, tick: Tick) -> None:
@@ -216,7 +215,7 @@ class Agent:
         solution = self._controller.plan(observation)
         less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
         self._last = (k, solution, own.pose, less)
-        return Plan(
+        return _make_plan(
             sender=self.robot,
             seq=k,
             stamp=stamp,

@@ -67,13 +67,13 @@ class Avoidance:
                 dt,
             ]
         )
-        self._sight = (np.zeros((PAST, 3)), np.zeros((n, 8)), np.zeros(6))
+        self._works = scenario.robots.avoid
+        self._sight = (np.zeros((PAST, 3)), np.zeros((n if self._works else 0, 8)), np.zeros(6))
         """Own poses, bodies and memory (agents/kernels/avoidance.py)."""
-        self._mine = slice(n * self._row, n * robot)
+        self._mine, self._n = np.array([n * self._row, n * robot]), n
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self._command, self._since = np.zeros(3), np.zeros(3)
         self._changed = False
-        self._works = scenario.robots.avoid
         self.who = 0
         """Number of the robot that the last command keeps off; 0 if it was not changed."""
 
@@ -83,11 +83,11 @@ class Avoidance:
 
     def look(self, tick: Tick) -> None:
         """Take what is in sight at a tick, and the odometry since the last."""
-        if not len(tick.seen):
+        if not self._works:
             return
         k, (v, omega) = tick.seq, tick.odometry[self._row].tolist()
         roll(*self._sight, self._law, k, v, omega)
-        places = tick.seen[self._mine]
+        places = self._places(tick.seen)
         if self._link.transparent:
             see(*self._sight, self._law, k, places)
             return
@@ -95,6 +95,13 @@ class Avoidance:
         for arrival in self._link.pop(tick.stamp):
             if arrival.damage is None:
                 see(*self._sight, self._law, arrival.seq, arrival.message)
+
+    def _places(self, seen: FloatArray) -> FloatArray:
+        """(n, 2) of the bodies in the own frame, zeros of those that are not in sight [m]."""
+        places = np.zeros((self._n, 2))
+        own = seen[slice(*seen[:, 0].searchsorted(self._mine))]
+        places[own[:, 0].astype(int) - self._mine[0]] = own[:, 1:]
+        return places
 
     def filter(self, k: int, wheels: FloatArray, v: float, omega: float) -> tuple[float, float]:
         """The command (v, omega) of tick k [m/s, rad/s], or one that keeps off; wheels (2,) are their speeds now."""

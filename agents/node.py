@@ -6,6 +6,7 @@ which robots took part in which tick, and on nothing else that the network does.
 """
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from pydantic import ValidationError
 
@@ -20,7 +21,7 @@ from formation.scenario.registry import register_unloaded
 from formation.scenario.reshaping import with_changes
 from formation.scenario.scenario import Scenario
 from network import bus, topics
-from network.bus import Action, Appear, Ask, Incoming, Publish, Reject, Response, Sample, Subscribe, Unsubscribe
+from network.bus import Action, Appear, Ask, Incoming, Publish, Read, Reject, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.control import GetSetup, request
 from network.messages import WORLD, Plan, Status, Tick
@@ -43,13 +44,14 @@ RECENT_EPISODES = 1000
 class AgentNode:
     """Keeps one robot's agent in touch with the world and its upstream neighbour. Its table is agents/states.py."""
 
-    def __init__(self, run: str, robot: int, *, pid: int = 0) -> None:
+    def __init__(self, run: str, robot: int, *, pid: int = 0, phase: float = 0.0) -> None:
         """A node before its first Setup.
 
         Args:
             run: name of the run.
             robot: its number, from 1.
             pid: of its process, for its statuses.
+            phase: of its statuses among those of others in the process, as a share of their interval.
         """
         self.state = State.NEW
         self.rejected = 0
@@ -67,17 +69,14 @@ class AgentNode:
         self._tick: Tick | None = None
         """The newest that fits the episode and is not answered."""
         self._unknown: Tick | None = None
-        """The newest of another episode, or too far ahead to be believed without asking."""
-        self._newest = (-1, -1, -1.0)
-        """Episode, seq and stamp of the newest tick that was believed."""
+        """The newest of another episode, or too far ahead to be believed."""
+        self._newest = (-1, -1, -1.0)  # episode, seq and stamp of the newest tick that was believed
         self._repeated = False
         self._answers: list[Answer] = []
-        self._status_of: Tick | None = None
-        """The answered tick of which a status is due."""
-        self._last_status: Status | None = None
-        """Of the episode's last tick; like an answer, it may be lost."""
+        self._status_of: Tick | None = None  # answered, and a status of it is due
+        self._last_status: Status | None = None  # of the episode's last tick; like an answer, it may be lost
         self._answered, self._missed = -1, 0
-        self._ask_at = self._status_at = 0.0
+        self._ask_at, self._status_at, self._phase = 0.0, 0.0, phase
         self._actions: list[Action] = []
 
     @property
@@ -101,15 +100,21 @@ class AgentNode:
             self._publish_status(self._status_of)
         for item in arrivals:
             try:
-                if isinstance(item, Sample):
-                    if item.key.endswith("/tick"):
-                        self._receive_tick(decode(Tick, item.payload))
-                    else:
-                        self._receive_plan(item.key, decode(Plan, item.payload))
-                elif isinstance(item, Response):
-                    self._receive_setup(decode(Setup, item.payload))
+                match item:
+                    case Read(_, Tick() as tick):
+                        self._receive_tick(tick)
+                    case Read(key, Plan() as plan):
+                        self._receive_plan(key, plan)
+                    case Read(_, Setup() as setup):
+                        self._receive_setup(setup)
+                    case Sample(key, payload) if key.endswith("/tick"):
+                        self._receive_tick(decode(Tick, payload))
+                    case Sample(key, payload):
+                        self._receive_plan(key, decode(Plan, payload))
+                    case Response(_, payload):
+                        self._receive_setup(decode(Setup, payload))
             except (WireError, ScenarioError, ValidationError) as error:
-                self._reject(item.key if isinstance(item, Sample) else "setup", error)
+                self._reject(item.key if isinstance(item, Sample | Read) else "setup", error)
         if self._repeated:
             self._repeated = False
             for answer in self._answers:
@@ -207,7 +212,7 @@ class AgentNode:
     def _begin(self, setup: Setup) -> None:
         """A new episode. Raises ScenarioError if its controller is a user's own and not the one that is loaded here."""
         register_unloaded(setup.user_code)
-        scenario = Scenario.model_validate_json(setup.scenario)
+        scenario = _scenario(setup.scenario)
         check_loaded(setup.user_code, scenario.controller.name)
         here = self._robot <= scenario.size
         agent = Agent(scenario, self._robot, episode=setup.episode, away=setup.away) if here else None
@@ -265,7 +270,7 @@ class AgentNode:
         self._answers = [*self._answers[1 - KEPT_ANSWERS :], answer]
         self._publish(answer)
         if now >= self._status_at or tick.last:
-            self._status_at = now + STATUS_INTERVAL
+            self._status_at, self._phase = now + (1.0 - self._phase) * STATUS_INTERVAL, 0.0
             self._status_of = tick
 
     def _publish_status(self, tick: Tick) -> None:
@@ -287,3 +292,9 @@ class AgentNode:
     def _reject(self, key: str, error: Exception) -> None:
         self.rejected += 1
         self._actions.append(Reject(key, str(error)))
+
+
+@lru_cache(maxsize=1)
+def _scenario(text: str) -> Scenario:
+    """The scenario, one for all agents of this process."""
+    return Scenario.model_validate_json(text)

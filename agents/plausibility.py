@@ -1,5 +1,6 @@
 """Whether a tick can be one of a scenario, and the newest that the world has sent."""
 
+from formation.arrays import FloatArray
 from formation.errors import WireError
 from formation.scenario.scenario import Scenario
 from network.messages import Tick
@@ -34,9 +35,15 @@ def check(tick: Tick, scenario: Scenario) -> None:
     n = scenario.size
     if (tick.measured is not None and len(tick.poses) != n) or len(tick.relatives) not in (0, n):
         raise WireError(f"expected measurements of {n} robots; got {len(tick.poses)} and {len(tick.relatives)}")
-    if len(tick.seen) not in (0, n * n):
-        raise WireError(f"expected sightings of {n} robots by {n}; got {len(tick.seen)}")
+    if len(tick.seen) and not _ascending(tick.seen[:, 0], n * n):
+        raise WireError(f"expected sightings of {n} robots by {n} in ascending order")
     if tick.measured is not None and tick.measured > tick.seq:
         raise WireError(f"expected a measurement of tick {tick.seq} or before; got one of {tick.measured}")
     if abs(tick.seq * scenario.control_interval - tick.stamp) > 1e-6:
         raise WireError(f"expected stamp {tick.seq * scenario.control_interval:g} s; got {tick.stamp:g} s")
+
+
+def _ascending(numbers: FloatArray, end: int) -> bool:
+    """Whether they are whole numbers from 0 on, below `end`, each larger than the one before."""
+    whole = not (numbers % 1.0).any()
+    return whole and numbers[0] >= 0.0 and numbers[-1] < end and bool((numbers[1:] > numbers[:-1]).all())

@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from typing import NamedTuple
 
 import psutil
 
@@ -87,8 +88,11 @@ def _number(payload: bytes) -> int:
     return int.from_bytes(payload[:8])
 
 
-def bare_world(endpoint: str, robots: int, seconds: float, sizes: dict[str, int]) -> None:
-    """Send ticks, each once all have answered the last one, and print the rate."""
+def bare_world(endpoint: str, robots: int, seconds: float, interval: float, sizes: dict[str, int]) -> None:
+    """Send ticks, and print how many a second, and which share of the commands was missing at the next one.
+
+    Each tick goes out once all have answered the last one, or with an interval [s] when its time has come.
+    """
     with BareBus(endpoint, RUN) as bus:
         tick, state = topics.tick(RUN), topics.state(RUN)
         bus.announce(tick, reliable=True)
@@ -98,20 +102,23 @@ def bare_world(endpoint: str, robots: int, seconds: float, sizes: dict[str, int]
         print("ready", flush=True)
         sys.stdin.readline()
         commands = {topics.command(RUN, robot) for robot in range(1, robots + 1)}
-        done, shown, began = 0, 0.0, time.perf_counter()
+        done, shown, missing, began = 0, 0.0, 0, time.perf_counter()
         while (now := time.perf_counter()) < began + seconds:
-            left = set(commands)
+            left, due = set(commands), began + (done + 1) * interval
             while left:
                 bus.send(tick, _numbered(done + 1, sizes["Tick"]))
-                until = time.perf_counter() + PATIENCE
-                while left and time.perf_counter() < until:
-                    heard = (item for item in bus.arrivals(PATIENCE) if isinstance(item, Sample))
+                until = due if interval else time.perf_counter() + PATIENCE
+                while (wait := until - time.perf_counter()) > 0.0 and (left or interval):
+                    heard = (item for item in bus.arrivals(wait) if isinstance(item, Sample))
                     left -= {item.key for item in heard if _number(item.payload) == done + 1}
+                if interval:
+                    break
+            missing += len(left)
             done += 1
             if now - shown > STATE_EVERY:
                 bus.send(state, bytes(sizes["State"]))
                 shown = now
-        print(json.dumps(done / (time.perf_counter() - began)), flush=True)
+        print(json.dumps((done / (time.perf_counter() - began), missing / (done * robots))), flush=True)
         sys.stdin.readline()  # its processor time is read meanwhile; then it is killed
 
 
@@ -142,22 +149,36 @@ def _tell(process: Process) -> None:
     process.stdin.flush()
 
 
-def measure(robots: int, seconds: float, sizes: dict[str, int]) -> tuple[float, float]:
-    """Rate [ticks/s], and processor time of all processes per tick [us]; sizes of the messages by type [bytes]."""
+class Bare(NamedTuple):
+    """Figures of a run without work."""
+
+    rate: float
+    """[ticks/s]."""
+    us: float
+    """Processor time of all processes per tick [us]."""
+    missed: float
+    """Share of the commands that were not there at the next tick."""
+    agent: float
+    """Processor time of an agent, as a share of a core."""
+
+
+def measure(robots: int, seconds: float, sizes: dict[str, int], interval: float = 0.0) -> Bare:
+    """A run of so long; sizes of the messages by type [bytes]; with an interval between ticks [s], or in lockstep."""
     told = json.dumps(sizes)
     with tempfile.TemporaryDirectory(prefix="ech") as folder, ExitStack() as stack:
         endpoint = f"unixsock-stream/{folder}/r"
         router = stack.enter_context(_started("router", endpoint))
-        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), told))
+        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), str(interval), told))
         agents = [
             stack.enter_context(_started("agent", endpoint, str(robot), str(robots), told))
             for robot in range(1, robots + 1)
         ]
         everybody = [router, world, *agents]
-        before = _processor(everybody)
+        before, own = _processor(everybody), _processor(agents)
         _tell(world)
-        rate = float(_read(world))
-        return rate, 1e6 * (_processor(everybody) - before) / (rate * seconds)
+        rate, missed = json.loads(_read(world))
+        spent = _processor(everybody) - before
+        return Bare(rate, 1e6 * spent / (rate * seconds), missed, (_processor(agents) - own) / (seconds * robots))
 
 
 def _processor(processes: list[Process]) -> float:
@@ -172,7 +193,7 @@ def main(role: str, endpoint: str, *words: str) -> None:
     elif role == "agent":
         bare_agent(endpoint, int(words[0]), int(words[1]), json.loads(words[2]))
     else:
-        bare_world(endpoint, int(words[0]), float(words[1]), json.loads(words[2]))
+        bare_world(endpoint, int(words[0]), float(words[1]), float(words[2]), json.loads(words[3]))
 
 
 if __name__ == "__main__":

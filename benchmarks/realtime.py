@@ -38,7 +38,7 @@ def main() -> None:
     ensure_compiled(print)
     with tempfile.TemporaryDirectory(prefix="ech") as folder:
         os.environ["ECHELON_RUNS"] = folder
-        figures = {"start_s": _start_up(), **_real_time(options.robots, options.seconds)}
+        figures = {"start_s": _start_up(), **real_time(options.robots, options.seconds)}
     if options.json:
         print(json.dumps(figures))
         return
@@ -68,21 +68,24 @@ def _start_up() -> float:
                     return time.perf_counter() - began
 
 
-def _real_time(robots: int, seconds: float) -> dict[str, float]:
+def real_time(robots: int, seconds: float, *more: str) -> dict[str, float]:
+    """Figures of a run in real time; `more` are options of `up`. CPU in shares of a core, memory in MB."""
     shape = ["--set", "formation.shape=polygon", "--set", f"formation.robots={robots}"]
-    with _up("circle", "--realtime", "--no-dashboard", *shape) as up:
+    with _up("circle", "--realtime", "--no-dashboard", *shape, *more) as up:
         while _state().get("status") != "running":
             time.sleep(0.2)
         first = _state()
         print(f"running for {seconds:g} s ...", file=sys.stderr, flush=True)
-        memory = []
+        memory, before, began = [], _processor(up.pid), time.monotonic()
         for _ in range(3):
             time.sleep(seconds / 3)
             memory.append(_memory(up.pid))
+        spent, took = _processor(up.pid), time.monotonic() - began
         last = _state()
         missed = _missed(robots)
     ticks = (last["stamp"] - first["stamp"]) / 0.01
-    pss = [value for sample in memory for value in sample]
+    pss, private = ([one[at] for sample in memory for one in sample] for at in (0, 1))
+    shares = {role: (spent[role] - before[role]) / took for role in before}
     return {
         "ticks": ticks,
         "missed_share": sum(missed) / (ticks * robots),
@@ -90,16 +93,42 @@ def _real_time(robots: int, seconds: float) -> dict[str, float]:
         "overrun_share": (last["overruns"] - first["overruns"]) / ticks,
         "pss_mb": statistics.median(pss),
         "pss_mb_max": max(pss),
+        "private_mb": statistics.median(private),
+        "cpu_agent": shares["agent"] / robots,
+        "cpu_world": shares["world"],
+        "cpu_router": shares["router"],
     }
 
 
-def _memory(launcher: int) -> list[float]:
-    """PSS of every agent [MB]."""
+def _memory(launcher: int) -> list[tuple[float, float]]:
+    """PSS and private memory of every process of agents [MB]."""
+    found = []
+    for process, role in _processes(launcher):
+        with contextlib.suppress(psutil.Error):
+            if role == "agent":
+                memory = process.memory_full_info()
+                found.append((memory.pss / 1e6, memory.uss / 1e6))
+    return found
+
+
+def _processor(launcher: int) -> dict[str, float]:
+    """Processor time that the processes of each role have used so far [s]."""
+    found = dict.fromkeys(("agent", "world", "router"), 0.0)
+    for process, role in _processes(launcher):
+        with contextlib.suppress(psutil.Error):
+            if role in found:
+                found[role] += sum(process.cpu_times()[:2])
+    return found
+
+
+def _processes(launcher: int) -> list[tuple[psutil.Process, str]]:
+    """Those of the run, with their roles."""
     found = []
     for process in psutil.Process(launcher).children(recursive=True):
         with contextlib.suppress(psutil.Error):
-            if process.cmdline()[:1] and process.cmdline()[0].startswith(f"echelon {RUN}: agent"):
-                found.append(process.memory_full_info().pss / 1e6)
+            title, prefix = " ".join(process.cmdline()), f"echelon {RUN}: "
+            if title.startswith(prefix):
+                found.append((process, title.removeprefix(prefix).split()[0].removesuffix("s")))
     return found
 
 

@@ -24,7 +24,8 @@ ADVISED_NAME = 25
 """Letters of a run's name that have room in its folder's path."""
 ADVISED_CORES = 2
 ADVISED_FILES = 256
-"""Open files: a run of 64 robots with a page wants so many."""
+"""Open files: a run of 64 agents with a process each, and a page, wants so many."""
+ADVISED_AGENTS = 3
 ADVISED_TRIP, ADVISED_OFFSET = 0.02, 1.0
 """Longest round trip, and largest difference of two hosts' clocks [s]."""
 TRIPS, TRIP_SECONDS = 20, 1.0
@@ -172,6 +173,24 @@ def _solver() -> Iterator[Check]:
     yield Check("solver", text, good, True, "set ECHELON_CACHE to a folder that can be written")
 
 
+def _agents() -> Iterator[Check]:
+    from agents.kernels.jit_cache import compiled  # noqa: PLC0415
+    from formation.errors import EchelonError  # noqa: PLC0415
+
+    name = "agents in real time"
+    try:
+        if not compiled():
+            yield Check(name, "measured once the solver is compiled", True, False)
+            return
+    except EchelonError:
+        return  # the check before says why
+    from runtime.machine.capacity import measured  # noqa: PLC0415
+
+    found = measured()
+    text = f"about {found.alone} at 100 Hz with a process each, {found.together} that share {found.cores}"
+    yield Check(name, text, found.alone >= ADVISED_AGENTS, False, "with more of them up has several share a process")
+
+
 def _way(options: argparse.Namespace) -> Iterator[Check]:
     """The way to a run on another host, and its clock."""
     from cli.options import session  # noqa: PLC0415
@@ -203,4 +222,4 @@ def _way(options: argparse.Namespace) -> Iterator[Check]:
         )
 
 
-_GROUPS = (_python, _packages, _machine, _runs, _solver, _page)
+_GROUPS = (_python, _packages, _machine, _runs, _solver, _agents, _page)

@@ -34,8 +34,8 @@ def run(options: argparse.Namespace) -> int:
     check_workers(options)
     out = paper.folder(options.out)
     extent = Extent(options.seed, options.seeds, options.duration)
-    with TrialProgress("paper") as progress:
-        place = Place(out, options.workers, options.cluster)
+    place = Place(out, options.workers, options.cluster)
+    with TrialProgress("paper", place.cores) as progress:
         report = paper.write(extent, place, tell=tell, trials=progress.trials, figures=progress.figures)
     if options.json:
         print(json.dumps(paper.as_json(report), ensure_ascii=False))

@@ -57,8 +57,8 @@ def run(options: argparse.Namespace) -> int:
     from experiments.study.results import run_and_write  # noqa: PLC0415  with the engine; the list does without
     from experiments.trials.batch import Place  # noqa: PLC0415
 
-    with TrialProgress(study.name) as progress:
-        place = Place(folder, options.workers, options.cluster)
+    place = Place(folder, options.workers, options.cluster)
+    with TrialProgress(study.name, place.cores) as progress:
         outcome = run_and_write(study, place, tell=tell, progress=progress.trials)
     if options.json:
         print(json.dumps(outcome.plain()))

@@ -9,10 +9,9 @@ from pydantic import Field, FiniteFloat, model_validator
 from formation.arrays import FloatArray, frozen
 from formation.metrics import nearest
 from formation.paths.files import PointFile
-from formation.schema import Duration, Positive
+from formation.schema import MAX_ROBOTS, Duration, Positive
 from formation.shapes import FIXED_SIZES, SHAPES
 
-MAX_ROBOTS = 64
 MAX_CHANGES = 100
 SAME_PLACE = 1e-3
 """Robots that are nearer to each other than this share of the formation's extent stand in the same place."""

@@ -9,7 +9,7 @@ from formation.pattern import downstream, upstream
 
 WORLD, DRIVER = 0, -1
 """Numbers of the world and of who drives the formation, as ends of a link; robots count from 1."""
-_SENDER, _RECEIVER = r"(world|driver|[1-9][0-9]?)", r"(world|[1-9][0-9]?)"
+_SENDER, _RECEIVER = r"(world|driver|[1-9][0-9]{0,3})", r"(world|[1-9][0-9]{0,3})"
 _LINK = re.compile(rf"{_SENDER}->{_RECEIVER}")
 _NAMES = {WORLD: "world", DRIVER: "driver"}
 _NUMBERS = {name: number for number, name in _NAMES.items()}

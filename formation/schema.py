@@ -9,6 +9,8 @@ from formation.units import SECONDS, SHARE, seconds, share
 
 MAX_SCENARIO = 4 << 20
 """Bytes of a scenario, points included: as JSON it goes to every process."""
+MAX_ROBOTS = 1024
+"""Of a formation."""
 
 
 class Model(BaseModel):

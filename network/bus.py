@@ -55,6 +55,13 @@ class Presence:
     here: bool
 
 
+class Read(NamedTuple):
+    """A message that this process has decoded, or sent, for several of its nodes."""
+
+    key: str
+    message: Message
+
+
 class Connection(NamedTuple):
     """The link between this process and the router came up or went down."""
 
@@ -65,7 +72,7 @@ class Wake:
     """Put into an inbox to wake its reader."""
 
 
-Incoming = Sample | Query | Response | Presence | Connection | Wake
+Incoming = Sample | Read | Query | Response | Presence | Connection | Wake
 
 
 class Subscribe(NamedTuple):

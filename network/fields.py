@@ -10,7 +10,7 @@ from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 from formation.arrays import FloatArray, frozen
 from formation.errors import FaultError
 from formation.link_ids import LinkId
-from formation.schema import MAX_SCENARIO
+from formation.schema import MAX_ROBOTS, MAX_SCENARIO
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """Of every message: no other fields, no infinities."""
@@ -93,6 +93,8 @@ MaybePoses = Annotated[FloatArray, PlainValidator(ArrayOf(3, empty=True))]
 """(n or 0, 3) [m, m, rad]."""
 Places = Annotated[FloatArray, PlainValidator(ArrayOf(2, empty=True))]
 """(n or 0, 2) [m, m]."""
+Seen = Annotated[FloatArray, PlainValidator(ArrayOf(3, empty=True))]
+"""(m, 3) who sees whom, i n + j for robot row i and body row j, ascending; where that is, x, y [m]."""
 Sums = Annotated[FloatArray, PlainValidator(ArrayOf(4, empty=True))]
 """(hops, 4) integrals of v and omega [m, rad], the tick before which they end, and that at which they began."""
 Measurements = Annotated[FloatArray, PlainValidator(ArrayOf(9, empty=True))]
@@ -117,7 +119,7 @@ formation faces [rad], its v, omega and rotation [m/s, rad/s, rad/s]; the v and 
 Numbers = Annotated[FloatArray, PlainValidator(ArrayOf())]
 """(n,)."""
 Count = Annotated[int, Field(strict=True, ge=0, lt=2**63)]
-Sender = Annotated[int, Field(strict=True, ge=0, le=64)]
+Sender = Annotated[int, Field(strict=True, ge=0, le=MAX_ROBOTS)]
 Real = Annotated[float, Field(strict=True, ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, le=LARGEST)]
 NonNegative = Annotated[float, Field(strict=True, ge=0.0, le=LARGEST)]

@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, FiniteFloat
 
 from formation.disturbances import FARTHEST, Kind
-from formation.schema import Duration, Model, Positive
+from formation.schema import MAX_ROBOTS, Duration, Model, Positive
 
 MAX_SECONDS = 1e6
 """Of an order [s]."""
-Robot = Annotated[int, Field(strict=True, ge=1, le=64)]
+Robot = Annotated[int, Field(strict=True, ge=1, le=MAX_ROBOTS)]
 
 
 class OperationModel(Model):

@@ -27,6 +27,7 @@ from network.fields import (
     Poses,
     Positive,
     Real,
+    Seen,
     Sender,
     Sums,
     Text,
@@ -37,7 +38,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Recording, Stretch
 from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RecordWish, RunStatus
 
-VERSION = 5
+VERSION = 6
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD  # the sender number of the world
 
@@ -69,8 +70,8 @@ class Tick:
     """Whether this is the last tick of the episode."""
     gone: list[Sender] = field(default_factory=list)
     """Robots that the world lost while this tick was out: nobody waits for a plan of theirs any more."""
-    seen: Places = field(default_factory=lambda: values.NO_PLACES)
-    """(n n, 2) body j in the frame of robot i, with or without an agent; zeros: not in sight, no rows: nobody looks."""
+    seen: Seen = field(default_factory=lambda: values.NOBODY_SEEN)
+    """Bodies, with or without an agent, that robots see in their own frames; none where nobody looks."""
     drive: Drive = field(default_factory=lambda: values.NO_DRIVE)
     """To robot 1, over the link driver->1: what its driver sends at this tick."""
     __pydantic_config__ = STRICT

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
+from formation.schema import MAX_ROBOTS
 from network.bodies import BodyInput, BodyPose
 from network.messages import Command, Ghost, Plan, State, Status, Tick
 from network.requests import Reply, Request, Setup
@@ -31,6 +32,8 @@ Role = Literal[
     "each",
 ]
 ROOT = "echelon"
+LONGEST_NUMBER = len(str(MAX_ROBOTS))
+"""Digits of a robot in a key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,4 +290,4 @@ def robot_of(key: str) -> int | None:
     if len(parts) != 5 or not (parts[2] == "robot" or parts[2:4] == ["alive", "agent"]):
         return None
     text = parts[3] if parts[2] == "robot" else parts[4]
-    return int(text) if text.isascii() and text.isdigit() and len(text) <= 3 else None
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= LONGEST_NUMBER else None

@@ -3,10 +3,12 @@
 import json
 from collections.abc import Container, Mapping, Sequence
 
+from formation.errors import ScenarioError
 from formation.loading.source import LOADED
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
+from network.access.rules import MAX_KEYED
 from runtime.process_list import Program, RunPlan, programs
 from runtime.user_code import NO_CODE, CodeArguments, mounted
 
@@ -93,9 +95,11 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
         record: whether the run is recorded, in a volume.
 
     Raises:
-        ScenarioError: its controller cannot run as processes.
+        ScenarioError: its controller cannot run as processes, or there are too many robots.
     """
     check_live(scenario.controller.name)
+    if scenario.size > MAX_KEYED:
+        raise ScenarioError(f"expected at most {MAX_KEYED} robots, as there are keys for; got {scenario.size}")
     words = " ".join([name, *([f"with {to_json(overrides)}"] if overrides else [])])
     head = _HEAD.format(
         words=words,

@@ -47,8 +47,11 @@ class Simulation:
 
     def _hearers(self) -> dict[int, list[int]]:
         """By robot, who takes its plans."""
-        agents = self.agents
-        return {robot: [other for other in agents if robot in agents[other].hears] for robot in agents}
+        found: dict[int, list[int]] = {robot: [] for robot in self.agents}
+        for robot, agent in self.agents.items():
+            for sender in agent.hears:
+                found[sender].append(robot)
+        return found
 
     def _close_ring(self) -> set[int]:
         """The ring has changed: the robots that have another place in it, whose agents begin anew."""

@@ -1,17 +1,19 @@
 """A run as supervised processes: start them, watch them, end them all and remove what they leave."""
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from dashboard.serving.access import Guard
 from formation.errors import EchelonError, WireError
-from formation.formation_spec import MAX_ROBOTS
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
+from network.access.robot_numbers import spelled
+from network.access.rules import MAX_KEYED
 from network.bus import Sample
 from network.codec import decode
 from network.control import GetSummary
@@ -20,9 +22,10 @@ from network.zenoh_bus import ZenohBus
 from runtime.endings import Endings
 from runtime.hosts.listening import Listening
 from runtime.keeping.agent_keeper import AgentKeeper
+from runtime.machine.sharing import Sharing
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
-from runtime.process_list import RunPlan, agent, programs, recorder
+from runtime.process_list import Program, RunPlan, agents, programs, recorder
 from runtime.record_keeper import RecordKeeper
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
@@ -47,6 +50,7 @@ class LiveRun:
         tell: Callable[[str], None],
         listening: Listening | None = None,
         here: frozenset[int] | None = None,
+        together: int | None = None,
         **options: Any,
     ) -> None:
         """Without a name or a process yet.
@@ -57,16 +61,23 @@ class LiveRun:
             tell: called with a line for the user.
             listening: for other hosts.
             here: robots whose agents this host runs; None: all.
+            together: agents in a process; None: as many as this machine wants.
             options: of runtime.process_list.RunPlan.
 
         Raises:
-            EchelonError: the controller cannot run as processes.
+            EchelonError: the controller cannot run as processes, or there would be too many elsewhere.
         """
         check_live(scenario.controller.name)
+        distant = set() if here is None else set(range(1, scenario.size + 1)) - here
+        if distant and max(distant) > MAX_KEYED:
+            raise EchelonError(
+                f"--agents: expected agents of other hosts up to robot {MAX_KEYED}; {spelled(distant)} would be theirs"
+            )
         self._scenario, self._tell = scenario, tell
         self._name, self._options = name, options
         self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
+        self._sharing = Sharing(tell, together)
         self._endings = Endings()
         self._listening, self._here = listening, here
         self.reception: Reception | None = None
@@ -80,9 +91,9 @@ class LiveRun:
         try:
             self._plan = self._claimed()
             ensure_compiled(self._tell)
-            wanted = programs(self._plan, self._scenario)
+            wanted = programs(self._shared(self._scenario.size), self._scenario)
             check_enough(len(wanted))
-            self._keeper = AgentKeeper(self._supervisor, lambda number: agent(self._plan, number))
+            self._keeper = AgentKeeper(self._supervisor, self._agents)
             folder = Path(self._plan.scenarios or ".").absolute()
             self._records = RecordKeeper(self._supervisor, lambda file: recorder(self._plan, file), folder, self._tell)
             self._supervisor.start(wanted)
@@ -113,11 +124,22 @@ class LiveRun:
                 options["keys"] = str(self.reception.folder)
         return RunPlan(self._name, str(file), claim.endpoint, endpoints, here=self._here, **options)
 
+    def _shared(self, robots: int) -> RunPlan:
+        """The plan of a run of so many robots, of which some may share a process."""
+        here = robots if self._here is None else len(self._here.intersection(range(1, robots + 1)))
+        return replace(self._plan, together=self._sharing.size(here))
+
+    def _agents(self, missing: Iterable[int]) -> list[Program]:
+        """Processes of agents that are missing."""
+        robots = len(self._state.poses) if self._state else self._scenario.size
+        return agents(self._shared(robots), missing)
+
     def _vacant(self) -> set[int]:
         """Robots whose agents are other hosts' to run, and not there."""
         state = self._state
-        robots = range(1, (self._scenario.size if state is None else min(len(state.poses), MAX_ROBOTS)) + 1)
-        return set(robots) - (set(robots) if self._here is None else self._here) - set(state.live if state else ())
+        robots = range(1, (self._scenario.size if state is None else len(state.poses)) + 1)
+        here = set(robots) if self._here is None else self._here
+        return {robot for robot in robots if robot <= MAX_KEYED} - here - set(state.live if state else ())
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

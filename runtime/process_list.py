@@ -1,9 +1,11 @@
 """The processes of a run, all in one list: what `echelon up` starts and what compose.yaml holds."""
 
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field, replace
 
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.scenario import Scenario
+from network.access.robot_numbers import spelled
 from runtime.user_code import NO_CODE, CodeArguments
 
 
@@ -16,11 +18,20 @@ class Program:
     """Of an agent or a body its robot's, else 0."""
     module: str
     arguments: tuple[str, ...]
+    robots: frozenset[int] = frozenset()
+    """Whose agents it has; of several the last argument names them."""
 
     @property
     def name(self) -> str:
-        """Name for the user: "world", "agent 2"."""
+        """Name for the user: "world", "agent 2", "agents 1-32"."""
+        if len(self.robots) > 1:
+            return f"agents {spelled(self.robots)}"
         return f"{self.role} {self.number}" if self.number else self.role
+
+    def without(self, robots: Collection[int]) -> "Program | None":
+        """The same process of several agents without those of some robots; None if none is left."""
+        left = self.robots.difference(robots)
+        return replace(self, arguments=(*self.arguments[:-1], spelled(left)), robots=left) if left else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +52,8 @@ class RunPlan:
     """Folder with the keys of whatever is not on a unix socket."""
     insecure: bool = False
     """Whether endpoints that strangers can use are allowed."""
+    together: int = 1
+    """Agents in a process."""
     here: frozenset[int] | None = None
     """Robots whose agents are of this host; None: all."""
     realtime: bool = False
@@ -91,7 +104,7 @@ def programs(plan: RunPlan, scenario: Scenario) -> list[Program]:
         found.append(recorder(plan, plan.record))
     found += [Program("body", number, "ros.body", (*common, "--robot", spec)) for number, spec in plan.robots]
     robots = [number for number in range(1, scenario.size + 1) if plan.here is None or number in plan.here]
-    found += [keeper(plan)] if plan.containers else [agent(plan, number) for number in robots]
+    found += [keeper(plan)] if plan.containers else agents(plan, robots)
     if plan.ghost:
         own = [*_each("--controller", plan.code.controllers), *_each("--bodies", plan.code.bodies)]
         found.append(Program("ghost", 0, "runtime.ghost", (*common, *own)))
@@ -113,10 +126,15 @@ def recorder(plan: RunPlan, file: str) -> Program:
     return Program("recorder", 0, "records", (*_common(plan), "--file", file, "--detail", plan.detail))
 
 
-def agent(plan: RunPlan, number: int) -> Program:
-    """The agent of one robot."""
-    own = _each("--controller", plan.code.controllers)
-    return Program("agent", number, "agents", (*_common(plan), "--id", str(number), *own))
+def agents(plan: RunPlan, robots: Iterable[int]) -> list[Program]:
+    """The agents of these robots: a process each, or `plan.together` of them in a process."""
+    own, ordered, size = _each("--controller", plan.code.controllers), sorted(robots), plan.together
+    found = []
+    for some in (ordered[at : at + size] for at in range(0, len(ordered), size)):
+        who = ("--id", str(some[0])) if len(some) == 1 else ("--together", "--ids", spelled(some))
+        number = some[0] if len(some) == 1 else 0
+        found.append(Program("agent", number, "agents", (*_common(plan), *own, *who), frozenset(some)))
+    return found
 
 
 def keeper(plan: RunPlan) -> Program:

@@ -13,6 +13,7 @@ from time import monotonic
 from setproctitle import setproctitle
 
 from formation.errors import EchelonError
+from network.access.robot_numbers import spelled
 from network.lifetime import TERMINATED
 from runtime import fork_server
 from runtime.process_list import Program
@@ -44,7 +45,7 @@ class Supervisor:
     @property
     def numbers(self) -> set[int]:
         """Robots that have an agent, or will have one again."""
-        return {program.number for program in (*self._running, *self._again) if program.role == "agent"}
+        return {robot for program in (*self._running, *self._again) for robot in program.robots}
 
     def start(self, programs: Iterable[Program]) -> None:
         """Start processes."""
@@ -58,15 +59,25 @@ class Supervisor:
                 self._running[program] = process
 
     def keep_down(self, numbers: Iterable[int], why: str) -> None:
-        """Kill the agents of these robots, and do not bring them back; `start` does. The user reads why."""
+        """Kill the agents of these robots, and do not bring them back; `start` does. The user reads why.
+
+        Others that share a process with them are started again.
+        """
         down = set(numbers)
-        for program in [program for program in self._again if program.role == "agent" and program.number in down]:
-            del self._again[program]
-        for program in [program for program in self._running if program.role == "agent" and program.number in down]:
+        for program in [program for program in self._again if program.robots & down]:
+            self._start_later(program.without(down), self._again.pop(program))
+        for program in [program for program in self._running if program.robots & down]:
             process = self._running.pop(program)
             process.kill()
             process.join(STOP_SECONDS)
-            self._tell(f"{program.name} {why}")
+            others = program.without(down)
+            self._start_later(others, monotonic())
+            shared = f"; it shared a process with {others.name}, which start again" if others else ""
+            self._tell(f"agent {spelled(program.robots & down)} {why}{shared}")
+
+    def _start_later(self, program: Program | None, at: float) -> None:
+        if program is not None:
+            self._again[program] = at
 
     @property
     def roles(self) -> set[str]:

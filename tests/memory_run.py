@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from agents import process as agent_process
+from agents.crew import Crew
 from agents.node import AgentNode
 from formation.scenario.scenario import Scenario
 from network import topics
@@ -81,7 +82,7 @@ class AgentProcess(_Process):
     def __init__(self, bus: MemoryBus, robot: int) -> None:
         super().__init__(bus)
         self.robot = robot
-        agent_process.join(bus, robot)
+        agent_process.join(bus)
         self.node = AgentNode(bus.run, robot)
 
         self.steps: dict[tuple[int, int], bool] = {}
@@ -98,21 +99,38 @@ class AgentProcess(_Process):
         self.wake_at = now + self.node.patience
 
 
+class CrewProcess(_Process):
+    def __init__(self, bus: MemoryBus, robots: Sequence[int]) -> None:
+        super().__init__(bus)
+        agent_process.join(bus)
+        self.node = Crew(bus.run, robots)
+
+    def turn(self, now: float) -> None:
+        perform(self.bus, self.node.feed(self.bus.arrivals(), now), self.log)
+        self.wake_at = now + self.node.patience
+
+
 class MemoryRun:
     """World and agents as processes without processes; `hub.now` is everybody's clock."""
 
-    def __init__(self, scenario: Scenario, weather: Weather | None = None) -> None:
+    def __init__(self, scenario: Scenario, weather: Weather | None = None, *, crew: Sequence[int] = ()) -> None:
+        """A run at its start; the agents of a crew share a process."""
         self.hub = MemoryHub(weather or Weather())
         self.world = World(scenario, episode=12345)
         self.counted: list[set[int]] = []
         """Per tick of the episode: the robots whose commands counted."""
         self._start_world(Parts.of(self.world, speed=0.0, start=True))
         self.agents: dict[int, AgentProcess] = {}
+        self._crew = {robot: process for process in self._shared(crew) for robot in crew}
         for robot in self.world.robots:
-            self.start_agent(robot)
+            if robot not in self._crew:
+                self.start_agent(robot)
         self.user = self.hub.join(RUN, "user")
         self.dead: list[AgentProcess] = []
         self._outages = 0
+
+    def _shared(self, crew: Sequence[int]) -> list[CrewProcess]:
+        return [CrewProcess(self.hub.join(RUN, "crew"), crew)] if crew else []
 
     def _record(self, world: World) -> None:
         advance = world.advance
@@ -193,7 +211,8 @@ class MemoryRun:
             process.wake_at = self.hub.now
 
     def _named(self, robots: tuple[int, ...], world: bool) -> list[_Process]:
-        return [*(self.agents[robot] for robot in robots), *([self._world_process] if world else [])]
+        named = dict.fromkeys(self._crew.get(robot) or self.agents[robot] for robot in robots)
+        return [*named, *([self._world_process] if world else [])]
 
     def ask(self, operation: Operation) -> None:
         """Have a user request something; the answer is in `replies`."""
@@ -243,8 +262,9 @@ class MemoryRun:
         return self.world.finished
 
     @property
-    def _processes(self) -> list[WorldProcess | AgentProcess]:
-        every: list[WorldProcess | AgentProcess] = [self._world_process, *self.agents.values()]
+    def _processes(self) -> list[WorldProcess | AgentProcess | CrewProcess]:
+        crew = dict.fromkeys(self._crew.values())
+        every: list[WorldProcess | AgentProcess | CrewProcess] = [self._world_process, *self.agents.values(), *crew]
         return [process for process in every if process.alive]
 
     def _turns(self) -> bool:

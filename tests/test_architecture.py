@@ -67,6 +67,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},
+        {"crew"},
         {"process", "several"},
         {"__main__"},
     ],

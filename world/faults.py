@@ -14,7 +14,9 @@ from formation.scenario.scenario import Scenario
 KEPT_CHANGES = 5000
 """Fault tables that are kept of an episode, for a ghost that repeats it."""
 TOLD_CHANGES = 25
-"""Tables in one reply: it fits into a message even if all links of 64 robots have every key set."""
+"""Tables in one reply, at most ..."""
+TOLD_FAULTS = 8192
+"""... and faults in them, unless there is one table: it fits into a message even if all links have every key set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +107,13 @@ class FaultState:
     def _merge(self) -> None:
         """Merge consecutive lasting changes of a link, so that a moved slider does not accumulate them."""
         merged: list[_Wish] = []
+        last: dict[LinkId, int] = {}
         for wish in self._wishes:
-            last = next((i for i in range(len(merged) - 1, -1, -1) if merged[i].link == wish.link), None)
-            if last is not None and merged[last].until is None and wish.until is None:
-                merged[last] = _Wish(wish.link, {**merged[last].changes, **wish.changes}, None)
+            at = last.get(wish.link)
+            if at is not None and merged[at].until is None and wish.until is None:
+                merged[at] = _Wish(wish.link, {**merged[at].changes, **wish.changes}, None)
             else:
+                last[wish.link] = len(merged)
                 merged.append(wish)
         self._wishes = merged
 
@@ -134,7 +138,7 @@ class FaultState:
         self._imposed, self._active = table, None
 
     def since(self, known: int) -> list[tuple[float, Mapping[LinkId, Fault]]]:
-        """The tables of this episode from number `known` on, at most TOLD_CHANGES, each with the time of its start [s].
+        """The tables of this episode from number `known` on, as many as have room, each with the time of its start [s].
 
         Raises:
             FaultError: they are no longer kept.
@@ -142,7 +146,14 @@ class FaultState:
         forgotten = self.changes - len(self._history)
         if known < forgotten:
             raise FaultError(f"expected at most {KEPT_CHANGES} changes of faults in an episode; got {self.changes}")
-        return list(islice(self._history, known - forgotten, known - forgotten + TOLD_CHANGES))
+        found: list[tuple[float, Mapping[LinkId, Fault]]] = []
+        faults = 0
+        for at, table in islice(self._history, known - forgotten, known - forgotten + TOLD_CHANGES):
+            faults += len(table)
+            if found and faults > TOLD_FAULTS:
+                break
+            found.append((at, table))
+        return found
 
     def restart(self) -> None:
         """Start a new episode: the whole schedule applies again; what users set without an end stays."""

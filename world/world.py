@@ -19,9 +19,11 @@ from formation.scenario.scenario import Scenario
 from network.control import Operation
 from network.interventions import Join, Leave, Move, Push, Release, Reshape
 from network.messages import WORLD, Command, Tick
-from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention
+from network.values import NO_DRIVE, NO_PLACES, NO_POSES, Intervention, maker
 from world.episode import Episode
 from world.states import SKIPPED
+
+_make_tick = maker(Tick)
 
 
 class World(Episode):
@@ -33,7 +35,7 @@ class World(Episode):
         """The Tick of now; the same message until `advance`."""
         if self._tick is None:
             measured = self.plant.measure()
-            self._tick = Tick(
+            self._tick = _make_tick(
                 sender=WORLD,
                 seq=self.k,
                 stamp=self.now,

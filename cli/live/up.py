@@ -53,6 +53,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ENDPOINT[,domain=0]",
         help="show the robots to the ROS 2 at this router",
     )
+    parser.add_argument(
+        "--together", type=int, metavar="N", help="agents in a process (default: 1, or what many robots want here)"
+    )
     add_record(parser)
 
 
@@ -61,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
     scenario, _ = load(options)
     if not 0.0 <= options.speed <= 1000.0:
         raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
+    if options.together is not None and options.together < 1:
+        raise EchelonError(f"--together: expected 1 or more; got {options.together}")
     hosts = hosting(options)
     dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
     token = access.given_token(options.token)
@@ -84,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
         robots=tuple((number, str(spec)) for number, spec in robots.items()),
         speed=options.speed,
         paused=options.paused,
+        together=options.together,
         endless=True,
         ghost=True,
         record=None if record is None else str(record),

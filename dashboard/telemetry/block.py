@@ -34,7 +34,7 @@ _KNOWN, _LOST, _CONVERGED = 1, 2, 4
 _COUNTS = ("sent", "delivered", "lost", "late", "corrupt", "duplicated", "in_flight")
 _BEGINS, _PLACED = 0, slice(1, 4)
 """Columns of a plan in single precision: when it begins since the block's first row [s], its pose."""
-NOBODY = np.iinfo(np.uint8).max
+NOBODY = np.iinfo(np.uint16).max
 
 
 class Block:
@@ -53,7 +53,7 @@ class Block:
         """Pace, tracking error, least gap, centre."""
         self._robots = np.zeros((ROWS, n, _COLUMNS), dtype=np.float32)
         self._flags = np.zeros((ROWS, n), dtype=np.uint8)
-        self._keeps_off = np.zeros((ROWS, n), dtype=np.uint8)
+        self._keeps_off = np.zeros((ROWS, n), dtype=np.uint16)
         self._counts = np.zeros((ROWS, n, len(_COUNTS) + 1), dtype=np.uint32)
         """Of the link to each robot, and its ticks that it did not answer in time."""
         self._placed = np.full((ROWS, 2, n, 4), np.nan, dtype=np.float32)

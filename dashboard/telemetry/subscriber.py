@@ -17,11 +17,11 @@ from dashboard.telemetry.snapshot import Snapshot
 from dashboard.telemetry.tape import Tape
 from formation.arrays import FloatArray
 from formation.errors import EchelonError, WireError
-from formation.formation_spec import MAX_ROBOTS
 from formation.metrics import wrapped
 from formation.scenario.files import parse
 from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
+from formation.schema import MAX_ROBOTS
 from network import topics
 from network.bus import Bus, Sample
 from network.codec import decode

@@ -22,6 +22,11 @@ class Place:
     cluster: str | None = None
     """Address of the scheduler of a Dask cluster."""
 
+    @property
+    def cores(self) -> int | None:
+        """How many cores work; None on a cluster."""
+        return None if self.cluster else min(self.workers or pool.cores(), pool.cores())
+
 
 def run_batch(
     work: Sequence[Work],

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from formation.errors import EchelonError
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 
 
 def parsed(text: str) -> frozenset[int]:

@@ -2,19 +2,20 @@
 
 A process is known by the common name of its certificate. Publishing is bound to a role and its number, hearing is free
 inside the run, and what is not allowed is denied. Access control cannot be changed while a router runs, but scenarios
-can: so there are rules for as many robots as a scenario may have, and whether somebody gets the certificate of one is
+can: so there are rules for the first `MAX_KEYED` robots, and whether somebody gets the certificate of one is
 decided when it is signed. Whoever opens the unix socket is the user of this machine, who may do everything.
 """
 
 from typing import Any
 
-from formation.formation_spec import MAX_ROBOTS
 from network import topics
 from network.access.keys import ENCRYPTED, LOCAL, common_name
 from network.topics import ALIVE, ASKERS, TOPICS, Role
 
 NUMBERED: tuple[Role, ...] = ("agent", "body")
 """Roles of which there is one process per robot."""
+MAX_KEYED = 64
+"""Robots whose agents and bodies can have keys: a router that has rules for a thousand starts a second later."""
 SINGLE: tuple[Role, ...] = (
     "world",
     "ghost",
@@ -74,7 +75,7 @@ def access_list(run: str) -> dict[str, Any]:
 
 def members() -> list[tuple[Role, int]]:
     """Every role that a certificate may be for, with its number (0: it has none)."""
-    robots = range(1, MAX_ROBOTS + 1)
+    robots = range(1, MAX_KEYED + 1)
     return [*((role, 0) for role in SINGLE), *((role, robot) for role in NUMBERED for robot in robots)]
 
 

@@ -16,10 +16,9 @@ from time import monotonic, sleep
 from typing import Any
 
 from formation.errors import EchelonError
-from formation.formation_spec import MAX_ROBOTS
 from network.access.keys import Keys, address, common_name
 from network.access.robot_numbers import spelled
-from network.access.rules import members
+from network.access.rules import MAX_KEYED, members
 from network.fields import harmless
 from network.messages import VERSION
 from runtime.hosts.authority import Authority, new_request
@@ -156,7 +155,7 @@ class Enrolment:
         if wished is not None:
             if not isinstance(wished, list) or not all(type(robot) is int for robot in wished):
                 raise EchelonError("expected numbers of robots")
-            taken = sorted(set(wished) - free)[:MAX_ROBOTS]
+            taken = sorted(set(wished) - free)[:MAX_KEYED]
             if taken:
                 raise EchelonError(f"expected robots without an agent, {spelled(free)}; got {spelled(taken)}")
             free = set(wished)

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,7 +19,7 @@ from runtime.hosts.authority import write_private
 from runtime.hosts.enrolment import Admission
 from runtime.keeping.agent_keeper import AgentKeeper
 from runtime.precompile import ensure_compiled
-from runtime.process_list import RunPlan, agent
+from runtime.process_list import RunPlan, agents
 from runtime.run_registry import Claim, free_name
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
@@ -91,8 +92,8 @@ class JoinedRun:
             self._session = ZenohBus(self._endpoint, self._run, keys=keys, insecure=insecure)
             self._session.subscribe(topics.state(self._run))
             self._session.watch()
-            self._keeper = AgentKeeper(self._supervisor, lambda number: agent(plan, number))
-            self._supervisor.start(agent(plan, number) for number in sorted(self.robots))
+            self._keeper = AgentKeeper(self._supervisor, partial(agents, plan))
+            self._supervisor.start(agents(plan, self.robots))
         except BaseException:
             self.__exit__(None, None, None)
             raise

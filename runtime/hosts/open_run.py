@@ -3,7 +3,7 @@
 import contextlib
 
 from formation.errors import EchelonError, WireError
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from network import topics
 from network.access.robot_numbers import spelled
 from network.bus import Sample

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from functools import partial
 
 from agents.controllers.own import load_controller
 from formation.errors import EchelonError
@@ -9,7 +10,7 @@ from network.arguments import add_connection, connect, host_number
 from runtime.endings import Endings
 from runtime.keeping.process import Keeper
 from runtime.precompile import ensure_compiled
-from runtime.process_list import RunPlan, agent
+from runtime.process_list import RunPlan, agents
 from runtime.user_code import CodeArguments
 
 
@@ -31,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
         plan = RunPlan(options.run, "", options.connect, (), keys=keys, insecure=options.insecure, code=code)
         with (
             connect(options, "keeper") as bus,
-            Keeper(bus, options.id, lambda robot: agent(plan, robot), _tell) as kept,
+            Keeper(bus, options.id, partial(agents, plan), _tell) as kept,
         ):
             try:
                 while True:

@@ -1,8 +1,8 @@
 """Which agents a host keeps alive, by the world's newest State."""
 
-from collections.abc import Callable, Set
+from collections.abc import Callable, Iterable, Set
 
-from formation.formation_spec import MAX_ROBOTS
+from formation.schema import MAX_ROBOTS
 from network.messages import State
 from runtime.process_list import Program
 from runtime.supervisor import Supervisor
@@ -11,14 +11,14 @@ from runtime.supervisor import Supervisor
 class AgentKeeper:
     """Starts agents that are missing, and ends those that are not wanted."""
 
-    def __init__(self, supervisor: Supervisor, agent: Callable[[int], Program]) -> None:
+    def __init__(self, supervisor: Supervisor, agents: Callable[[Iterable[int]], Iterable[Program]]) -> None:
         """Without a State yet.
 
         Args:
             supervisor: of this host's processes.
-            agent: of a robot.
+            agents: the processes of some robots' agents.
         """
-        self._supervisor, self._agent = supervisor, agent
+        self._supervisor, self._agents = supervisor, agents
 
     def keep(self, state: State, here: Set[int] | None = None) -> None:
         """Do as the world wishes: agents of robots of its scenario, but of none that users keep down.
@@ -35,4 +35,5 @@ class AgentKeeper:
         self._supervisor.keep_down(self._supervisor.numbers - own, "ended: another host runs it now")
         absent = set(state.waiting_for) - set(state.dismissed)
         missing = absent & own - self._supervisor.numbers
-        self._supervisor.start(self._agent(number) for number in sorted(missing))
+        if missing:
+            self._supervisor.start(self._agents(missing))

@@ -1,13 +1,13 @@
 """The process that runs the agents of a run where no launcher does: in containers, alone or as one of several."""
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from types import TracebackType
 from typing import Self
 
 from formation.errors import WireError
-from formation.formation_spec import MAX_ROBOTS
 from network import topics
+from network.access.rules import MAX_KEYED
 from network.bus import Bus, Presence, Sample
 from network.codec import decode
 from network.messages import State
@@ -23,19 +23,25 @@ WATCH_SECONDS = 0.05
 class Keeper:
     """Runs this keeper's share of the agents. Use as a context manager: leaving it ends them."""
 
-    def __init__(self, bus: Bus, number: int, agent: Callable[[int], Program], tell: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        number: int,
+        agents: Callable[[Iterable[int]], Iterable[Program]],
+        tell: Callable[[str], None],
+    ) -> None:
         """Without an agent yet.
 
         Args:
             bus: its session with the run.
             number: of this keeper, which no other has.
-            agent: of a robot.
+            agents: the processes of some robots' agents.
             tell: called with a line for the user.
         """
         self._bus, self._number = bus, number
         self._shares = Shares(number)
         self._supervisor = Supervisor(bus.run, tell)
-        self._keeper = AgentKeeper(self._supervisor, agent)
+        self._keeper = AgentKeeper(self._supervisor, agents)
 
     def __enter__(self) -> Self:
         self._bus.watch()
@@ -62,4 +68,4 @@ class Keeper:
                 case _:
                     pass
         if state is not None:
-            self._keeper.keep(state, self._shares.of(range(1, MAX_ROBOTS + 1)))
+            self._keeper.keep(state, self._shares.of(range(1, MAX_KEYED + 1)))

@@ -16,7 +16,7 @@ from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Tick
 from runtime.inprocess import Simulation
-from world.sight import Sight
+from world.sight import CROWD, Sight
 from world.world import World
 
 SCENARIO = load("triangle-circle", {"robots": {"avoid": True}})
@@ -32,8 +32,7 @@ def filter_of(scenario: Scenario) -> Avoidance:
 
 def tick_of(k: int, place: tuple[float, float], odometry: FloatArray = STILL) -> Tick:
     """Robot 1 sees robot 2 at a place in its own frame."""
-    seen = np.zeros((9, 2))
-    seen[1] = place
+    seen = np.array([[1.0, *place]])
     return Tick(WORLD, k, k * DT, 0, 0, odometry, [], None, np.zeros((0, 3)), [], np.zeros((0, 2)), seen=seen)
 
 
@@ -79,13 +78,31 @@ def test_a_robot_stops_before_one_that_stands(preset: str, v: float) -> None:
 def test_robots_see_who_is_within_sight_in_their_own_frame() -> None:
     poses = np.array([[0.0, 0.0, math.pi / 2.0], [0.0, 0.9, 0.0], [0.0, 1.5, 0.0]])
     seen = Sight(SCENARIO).see(0, poses)
-    assert [divmod(int(row), 3) for row in np.flatnonzero(seen.any(axis=1))] == [(0, 1), (1, 0), (1, 2), (2, 1)]
-    np.testing.assert_allclose(seen[1], [0.9, 0.0], atol=1e-12)
+    assert [divmod(int(who), 3) for who in seen[:, 0]] == [(0, 1), (1, 0), (1, 2), (2, 1)]
+    np.testing.assert_allclose(seen[0, 1:], [0.9, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.01])
+def test_of_a_crowd_everybody_sees_the_nearest(sigma: float) -> None:
+    robots = {"avoid": True, "sight": 2.0}
+    shape = {"shape": "line", "robots": 200, "spacing": 0.02}
+    crowd = load("circle", {"formation": shape, "robots": robots, "bodies": {"relative": {"sigma": sigma}}})
+    draws = np.random.default_rng(1)
+    poses = np.column_stack([draws.uniform(0.0, 3.0, (200, 2)), draws.uniform(-3.0, 3.0, 200)])
+    seen = Sight(crowd).see(5, poses)
+    who, whom = np.divmod(seen[:, 0].astype(int), 200)
+    apart = np.hypot(*(poses[None, :, :2] - poses[:, None, :2]).transpose(2, 0, 1))
+    np.fill_diagonal(apart, np.inf)
+    for row in range(200):
+        near = np.sort(np.argsort(apart[row])[: CROWD - 1])
+        assert whom[who == row].tolist() == near[apart[row, near] <= 2.0].tolist()
+    np.testing.assert_allclose(np.hypot(seen[:, 1], seen[:, 2]), apart[who, whom], atol=6.0 * sigma + 1e-9)
+    assert np.array_equal(seen, Sight(crowd).see(5, poses))
 
 
 def test_nobody_looks_without_the_filter() -> None:
     assert len(World(load("triangle-circle")).tick().seen) == 0
-    assert len(World(SCENARIO).tick().seen) == 9
+    assert len(World(SCENARIO).tick().seen) == 6
 
 
 def outcome(name: str, **overrides: Any) -> tuple[int, float, Any]:

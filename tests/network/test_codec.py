@@ -17,6 +17,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from formation.errors import WireError
+from formation.faults import Fault
+from formation.link_ids import every_link
+from formation.schema import MAX_ROBOTS
 from network import topics
 from network.codec import MAX_BYTES, decode, encode, seal, unseal
 from network.link import damaged
@@ -24,6 +27,7 @@ from network.messages import VERSION, Command, Message, Plan
 from network.requests import Reply, Request
 from tests import builders
 from tests.strategies import PLAIN, TEXT, of
+from world.sight import CROWD
 
 KINDS = typing.get_args(Message)
 BY_KIND = {kind: of(kind) for kind in KINDS}
@@ -230,7 +234,7 @@ def numbers(*values: float) -> bytes:
         (COMMAND, "v", None),
         (COMMAND, "v", True),
         (COMMAND, "v", [0.4]),
-        (COMMAND, "sender", 65),
+        (COMMAND, "sender", MAX_ROBOTS + 1),
         (COMMAND, "sender", -1),
         (COMMAND, "sender", 1.0),
         (COMMAND, "sender", True),
@@ -257,7 +261,7 @@ def numbers(*values: float) -> bytes:
         (STATUS, "held", body_of(PLAN)),  # a message in a message is its fields, without type and version
         (TICK, "poses", numbers(0.0, 0.0)),
         (TICK, "poses", numbers(0.0, 0.0, float("-inf"))),
-        (TICK, "planned", [65]),
+        (TICK, "planned", [MAX_ROBOTS + 1]),
         (TICK, "planned", 3),
         (TICK, "planned", ["1"]),
         (Reply(True), "value", [1]),
@@ -308,10 +312,17 @@ def test_deep_nesting_is_a_wire_error() -> None:
 
 
 def test_the_largest_real_messages_fit_by_far() -> None:
-    state_like = builders.tick(1, np.zeros((64, 3)), planned=list(range(1, 65)))
+    everybody = list(range(1, MAX_ROBOTS + 1))
+    seen = np.zeros((MAX_ROBOTS * (CROWD - 1), 3))
+    tick = builders.tick(
+        1, np.zeros((MAX_ROBOTS, 3)), planned=everybody, relatives=np.zeros((MAX_ROBOTS, 2)), seen=seen
+    )
+    state = builders.state(
+        MAX_ROBOTS, faults=dict.fromkeys(every_link(MAX_ROBOTS), Fault(latency=0.123456789, loss=0.3))
+    )
     plan = dataclasses.replace(PLAN, inputs=np.zeros((100, 2)))
-    assert len(encode(state_like)) < MAX_BYTES / 100
-    assert len(encode(plan)) < MAX_BYTES / 100
+    for message in (tick, state, plan):
+        assert len(encode(message)) < MAX_BYTES / 2
 
 
 def test_the_checksum_is_the_crc_32_of_the_rest() -> None:

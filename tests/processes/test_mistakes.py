@@ -42,7 +42,7 @@ MISTAKES = {
     "no code": (["join", "127.0.0.1:1", "ABCD-EFGH-JKLM-NPQR-STU0"], ["20 letters", "0, O, 1 and I"]),
     "without a code": (["join", "127.0.0.1:1"], ["echelon invite agents"]),
     "agents of nobody": (["up", "--agents", "1-2"], ["--agents", "--listen"]),
-    "agents without sense": (["up", "--listen", "127.0.0.1", "--agents", "2-x"], ["1 to 64", "2-x"]),
+    "agents without sense": (["up", "--listen", "127.0.0.1", "--agents", "2-x"], ["1 to 1024", "2-x"]),
     "another's address": (["up", "--listen", "192.0.2.1"], ["--listen", "192.0.2.1"]),
     "invite to nothing": (["invite", "operator"], ["echelon up"]),
     "guest": (["invite", "king"], ["agents", "operator", "observer", "king"]),

@@ -125,24 +125,30 @@ search = settings(law, max_examples=200, phases=[Phase.generate])
 """For a fault that must be found."""
 
 
+crews = st.sampled_from([(), (1, 2), ROBOTS])
+"""Robots whose agents share a process."""
+
+
 @law
-@given(weathers, histories, st.sampled_from([1, 3]))
+@given(weathers, histories, st.sampled_from([1, 3]), crews)
 def test_whatever_the_bus_does_the_trajectory_is_that_of_one_process(
-    weather: Weather, history: list[Any], plan_every: int
+    weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...]
 ) -> None:
-    whatever_the_bus_does(weather, history, plan_every)
+    whatever_the_bus_does(weather, history, plan_every, crew)
 
 
-def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int) -> None:
-    run = MemoryRun(scenario(plan_every), weather)
+def whatever_the_bus_does(weather: Weather, history: list[Any], plan_every: int, crew: tuple[int, ...]) -> None:
+    run = MemoryRun(scenario(plan_every), weather, crew=crew)
     play(run, history)
     assert run.finish() == expected(plan_every)
 
 
 @settings(law, max_examples=EXAMPLES // 4)
-@given(weathers, histories)
-def test_a_ring_that_closes_and_opens_is_that_of_one_process(weather: Weather, history: list[Any]) -> None:
-    run = MemoryRun(shrinking(), weather)
+@given(weathers, histories, crews)
+def test_a_ring_that_closes_and_opens_is_that_of_one_process(
+    weather: Weather, history: list[Any], crew: tuple[int, ...]
+) -> None:
+    run = MemoryRun(shrinking(), weather, crew=crew)
     play(run, history)
     assert run.finish() == str(inprocess.simulate(shrinking())["trajectory_sha256"])
 
@@ -159,14 +165,16 @@ def test_robots_that_are_told_the_path_drive_alike_in_both_engines() -> None:
     fault = "faults=[{at=0.1, until=4.4, link='1->2', cut=true}, {link='2->3', latency=0.05, loss=0.1}]"
     told = load("follow-the-leader", ["duration=4.6", fault])
     assert told.path.known_to == "leader"
-    run = MemoryRun(told, Weather())
+    run = MemoryRun(told, Weather(), crew=(2, 3))
     assert run.finish() == inprocess.simulate(told)["trajectory_sha256"]
 
 
 @law
-@given(weathers, histories, st.lists(moments, min_size=1, max_size=3))
-def test_an_episode_begun_anew_is_a_whole_one(weather: Weather, history: list[Any], resets: list[float]) -> None:
-    run = MemoryRun(scenario(), weather)
+@given(weathers, histories, st.lists(moments, min_size=1, max_size=3), crews)
+def test_an_episode_begun_anew_is_a_whole_one(
+    weather: Weather, history: list[Any], resets: list[float], crew: tuple[int, ...]
+) -> None:
+    run = MemoryRun(scenario(), weather, crew=crew)
     play(run, history)
     for moment in resets:
         run.run(moment, lambda: run.finished)
@@ -297,7 +305,7 @@ def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(RunningTime, "look", look)
 
 
-WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1)))
+WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1), st.just(())))
 SILENCE = (no_silence_is_for_ever, (weathers, st.just(set(ROBOTS)), st.floats(1.0, 9.0), moments))
 
 

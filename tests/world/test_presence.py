@@ -6,6 +6,7 @@ import pytest
 
 from formation.errors import EchelonError
 from formation.scenario.files import load
+from formation.schema import MAX_ROBOTS
 from network.control import Kill, Restart, operation
 from network.requests import Request
 from world.presence import SUSPECT_SECONDS, AgentPresence
@@ -102,7 +103,7 @@ def test_only_robots_of_the_scenario_are_killed() -> None:
         orders.obey(Kill(robot=4))
 
 
-@pytest.mark.parametrize("robot", [0, 65, -1, 1.5, "2", None, True])
+@pytest.mark.parametrize("robot", [0, MAX_ROBOTS + 1, -1, 1.5, "2", None, True])
 def test_what_is_no_number_of_a_robot_is_refused(robot: Any) -> None:
     for name in ("kill", "restart"):
         with pytest.raises(EchelonError, match="robot"):

@@ -26,10 +26,12 @@ def generator(seed: int, stream: int, robot: int, block: int = 0) -> np.random.G
 class Draws:
     """Standard normal (or uniform) draws of one stream for all robots, by tick."""
 
-    def __init__(self, seed: int, stream: int, robots: int, width: int, *, uniform: bool = False) -> None:
-        """Draws (robots, width) a tick; `uniform` ones come from [0, 1)."""
+    def __init__(
+        self, seed: int, stream: int, robots: int, width: int, *, uniform: bool = False, ticks: int = BLOCK
+    ) -> None:
+        """Draws (robots, width) a tick, so many ticks at a time; `uniform` ones come from [0, 1)."""
         self._seed, self._stream, self._robots, self._width = seed, stream, robots, width
-        self._uniform = uniform
+        self._uniform, self._ticks = uniform, ticks
         self._block = -1
         self._rows: FloatArray = np.empty(0)
 
@@ -39,7 +41,7 @@ class Draws:
 
     def at(self, tick: int) -> FloatArray:
         """(robots, width) of this tick."""
-        block, row = divmod(tick, BLOCK)
+        block, row = divmod(tick, self._ticks)
         if block != self._block:
             self._block = block
             self._rows = np.stack([self._drawn(robot, block) for robot in range(self._robots)], axis=1)
@@ -48,5 +50,5 @@ class Draws:
 
     def _drawn(self, robot: int, block: int) -> FloatArray:
         source = generator(self._seed, self._stream, robot, block)
-        size = (BLOCK, self._width)
+        size = (self._ticks, self._width)
         return source.random(size) if self._uniform else source.standard_normal(size)

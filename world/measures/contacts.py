@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, IntArray
 from formation.scenario.scenario import Scenario
 from network.messages import Command
+from world.measures.near import near
 
 RELEASE = 0.002
 """Two bodies that touch have to part by so much before they can come to touch again [m]: noise is not a contact."""
-FEW = 4
-"""So few bodies are compared one by one."""
+FEW, CROWD = 4, 64
+"""So few bodies are compared one by one; of more than so many, only those that are near each other."""
 AT_LIMIT = 1e-9
 """A command so close to a limit stands at it [m/s, rad/s]."""
 QUIET_SECONDS = 1.0
@@ -26,12 +27,16 @@ class Contacts:
 
     def __init__(self, radii: Sequence[float]) -> None:
         """Nothing so far; radii (n,) of at least two bodies [m]."""
-        given = np.array(radii)
-        self._one, self._other = np.triu_indices(len(given), k=1)
-        self._sums: FloatArray = given[self._one] + given[self._other]
-        self._alike = float(self._sums[0]) if np.all(self._sums == self._sums[0]) else None
-        self._touching = np.zeros(len(self._one), dtype=bool)
-        self._any = False
+        self._radii = np.array(radii)
+        self._n = len(self._radii)
+        self._widest = 2.0 * float(self._radii.max())
+        self._pairs = np.triu_indices(self._n, k=1) if self._n <= CROWD else None
+        sums = self._sums(*self._pairs) if self._pairs else 2.0 * self._radii
+        self._alike = float(sums[0]) if np.all(sums == sums[0]) else None
+        self._touching: IntArray = np.zeros(0, dtype=int)
+        """Pairs of rows i, j as i n + j."""
+        self._tightest = 0, 1
+        """Rows of the pair that had the least gap."""
         self.count = 0
         """Pairs that came to touch, so far."""
         self.clearance = np.inf
@@ -41,30 +46,41 @@ class Contacts:
 
     def look(self, poses: FloatArray) -> list[tuple[int, int]]:
         """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
-        if self._alike is not None and not self._any:
+        if self._alike is not None and not len(self._touching) and self._n <= CROWD:
             nearest = self._nearest(poses)
             if nearest - self._alike >= RELEASE:
                 self.clearance, self.gap = min(self.clearance, nearest), min(self.gap, nearest - self._alike)
                 return []
-        distance = np.sqrt(self._squares(poses))
-        gap = distance - self._sums
-        self.clearance, self.gap = min(self.clearance, float(distance.min())), min(self.gap, float(gap.min()))
-        new = (gap < 0.0) & ~self._touching
-        self._touching = (gap < 0.0) | (self._touching & (gap < RELEASE))
-        self._any = bool(self._touching.any())
-        self.count += int(new.sum())
-        return [(int(self._one[at]) + 1, int(self._other[at]) + 1) for at in np.flatnonzero(new)]
+        one, other = self._pairs or self._near(poses)
+        distance = np.sqrt(_squares(poses, one, other))
+        gap = distance - self._sums(one, other)
+        least = int(gap.argmin())
+        self._tightest = int(one[least]), int(other[least])
+        self.clearance, self.gap = min(self.clearance, float(distance.min())), min(self.gap, float(gap[least]))
+        if not len(self._touching) and gap[least] >= RELEASE:
+            return []
+        codes = one * self._n + other
+        held = np.isin(codes, self._touching)
+        new: IntArray = np.sort(codes[(gap < 0.0) & ~held])
+        self._touching = codes[(gap < 0.0) | (held & (gap < RELEASE))]
+        self.count += len(new)
+        return [(code // self._n + 1, code % self._n + 1) for code in new.tolist()]
 
-    def _squares(self, poses: FloatArray) -> FloatArray:
-        """Squared distances of all pairs [m2]."""
-        apart = poses.take(self._one, axis=0) - poses.take(self._other, axis=0)
-        x, y = apart[:, 0], apart[:, 1]
-        return x * x + y * y
+    def _near(self, poses: FloatArray) -> tuple[IntArray, IntArray]:
+        """Of many bodies: rows of all pairs that may touch, or have the least distance or gap of all."""
+        one, other = np.array([self._tightest[0]]), np.array([self._tightest[1]])
+        bound = math.sqrt(_squares(poses, one, other)[0]) - self._sums(one, other)[0]
+        return near(poses, self._widest + max(bound, RELEASE))
+
+    def _sums(self, one: IntArray, other: IntArray) -> FloatArray:
+        sums: FloatArray = self._radii[one] + self._radii[other]
+        return sums
 
     def _nearest(self, poses: FloatArray) -> float:
         """Least distance of two centres [m]; of few bodies by Python's arithmetic: faster, and the same bits."""
         if len(poses) > FEW:
-            return math.sqrt(self._squares(poses).min())
+            assert self._pairs is not None
+            return math.sqrt(_squares(poses, *self._pairs).min())
         places = poses[:, :2].tolist()
         squares = [(x - u) * (x - u) + (y - v) * (y - v) for (x, y), (u, v) in combinations(places, 2)]
         return math.sqrt(min(squares))
@@ -72,6 +88,13 @@ class Contacts:
     def summary(self) -> dict[str, Any]:
         """For the summary of the episode."""
         return {"contacts": self.count, "clearance_m": self.clearance, "gap_m": self.gap}
+
+
+def _squares(poses: FloatArray, one: IntArray, other: IntArray) -> FloatArray:
+    """Squared distances of pairs of rows [m2]."""
+    apart = poses.take(one, axis=0) - poses.take(other, axis=0)
+    x, y = apart[:, 0], apart[:, 1]
+    return x * x + y * y
 
 
 class AtLimits:
@@ -98,7 +121,8 @@ class AtLimits:
     def add(self, inputs: FloatArray, poses: FloatArray) -> None:
         """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
         at = np.abs(inputs) >= self._limits
-        self._at_limit += at[:, 0] | at[:, 1]
+        if at.any():
+            self._at_limit += at[:, 0] | at[:, 1]
         if self._arena is not None:
             low, high = self._arena[:2], self._arena[2:]
             self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)

@@ -205,7 +205,7 @@ MISTAKES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "a line of nobody knows": ({"formation": {"shape": "line"}}, ["formation", "robots = n", "line"]),
     "a triangle of four": ({"formation": {"shape": "triangle", "robots": 4}}, ["formation", "3 robots", "got 4"]),
     "a lonely robot": ({"formation": {"shape": "line", "robots": 1}}, ["formation.robots: expected at least 2; got 1"]),
-    "too many robots": ({"formation": {"shape": "line", "robots": 65}}, ["formation.robots: expected at most 64"]),
+    "too many robots": ({"formation": {"shape": "line", "robots": 1025}}, ["formation.robots: expected at most 1024"]),
     "half a robot": ({"formation": {"shape": "line", "robots": 2.5}}, ["formation.robots", "2.5"]),
     "robots in one place": ({"formation": {"offsets": [[0, 0], [0, 0], [1, 1]]}}, ["formation", "differ"]),
     "offsets and another number": ({"formation": {"offsets": [[0, 0], [0, 1]], "robots": 3}}, ["formation", "2 and 3"]),

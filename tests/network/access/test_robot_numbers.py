@@ -5,11 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from formation.errors import EchelonError
+from formation.schema import MAX_ROBOTS
 from network.access.keys import host_and_port
 from network.access.robot_numbers import parsed, spelled
 
 
-@given(st.sets(st.integers(1, 64), min_size=1))
+@given(st.sets(st.integers(1, MAX_ROBOTS), min_size=1))
 def test_what_is_spelled_is_read_as_the_same(robots: set[int]) -> None:
     assert parsed(spelled(robots)) == robots
 
@@ -18,7 +19,9 @@ def test_spelling_is_short() -> None:
     assert spelled({1, 2, 3, 5, 7, 8}) == "1-3,5,7-8"
 
 
-@pytest.mark.parametrize("text", ["", "0", "65", "a", "1-", "-1", "3-1", "1,,2", "1-2-3", "\uff19", "1e1", "9" * 5000])
+@pytest.mark.parametrize(
+    "text", ["", "0", str(MAX_ROBOTS + 1), "a", "1-", "-1", "3-1", "1,,2", "1-2-3", "\uff19", "1e1", "9" * 5000]
+)
 def test_what_is_no_list_of_robots_is_refused_in_a_line(text: str) -> None:
     with pytest.raises(EchelonError, match="expected"):
         parsed(text)

@@ -10,6 +10,7 @@ from formation.errors import FaultError, ScenarioError
 from formation.faults import Fault
 from formation.link_ids import LinkId, every_link
 from formation.scenario.files import load
+from formation.schema import MAX_ROBOTS
 from network.codec import MAX_BYTES, encode
 from network.control import Compare, GetOrders, Orders, Pause, SetFault
 from network.requests import Reply
@@ -110,8 +111,9 @@ def test_a_reset_begins_the_tables_of_faults_anew() -> None:
     assert simulation.world.faults.since(0) == [(0.0, {LinkId(3, 1): Fault(latency=0.2)})]
 
 
-def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> None:
-    faults = FaultState(load("ring-16", ["formation.robots=64"]))
+@pytest.mark.parametrize(("robots", "parts"), [(64, [TOLD_CHANGES, 5]), (MAX_ROBOTS, [2] * ((TOLD_CHANGES + 5) // 2))])
+def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are(robots: int, parts: list[int]) -> None:
+    faults = FaultState(load("ring-16", [f"formation.robots={robots}"]))
     worst = Fault(
         latency=0.123456789,
         jitter=0.123456789,
@@ -126,10 +128,11 @@ def test_tables_are_told_in_parts_that_fit_a_message_however_full_they_are() -> 
         cut=True,
     )
     for n in range(TOLD_CHANGES + 5):
-        faults.impose({link: worst.model_copy(update={"burst": 3.0 + n}) for link in every_link(64)})
+        faults.impose(dict.fromkeys(every_link(robots), worst.model_copy(update={"burst": 3.0 + n})))
         faults.update(float(n))
-    first, rest = faults.since(0), faults.since(TOLD_CHANGES)
-    assert (len(first), len(rest)) == (TOLD_CHANGES, 5)
+    begins = [sum(parts[:number]) for number in range(len(parts) + 1)]
+    assert [len(faults.since(begin)) for begin in begins] == [*parts, 0]
+    first = faults.since(0)
     told = [(at, {link: fault.model_dump() for link, fault in table.items()}) for at, table in first]
     assert len(encode(Reply(True, value={"episode": 1, "changes": 30, "tables": told}))) < MAX_BYTES
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from formation.scenario.files import load
 from tests.builders import command
+from world.measures import contacts as contacts_module
 from world.measures.contacts import RELEASE, AtLimits, Contacts
 from world.world import World
 
@@ -42,6 +43,22 @@ def test_there_is_a_contact_exactly_if_the_least_gap_is_negative(
     for where in places:
         contacts.look(in_line(*where))
     assert (contacts.count > 0) == (contacts.gap < 0.0)
+
+
+@pytest.mark.parametrize("radii", [[0.05] * 30, [0.02, 0.03, 0.08] * 10])
+def test_of_a_crowd_those_that_are_near_say_the_same_as_all_pairs(
+    radii: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draws = np.random.default_rng(3)
+    every = Contacts(radii)
+    monkeypatch.setattr(contacts_module, "CROWD", 4)
+    near = Contacts(radii)
+    poses = draws.uniform(0.0, 1.5, (30, 3))
+    for _ in range(200):
+        poses = poses + draws.normal(0.0, 0.01, (30, 3))
+        assert near.look(poses) == every.look(poses)
+        assert (near.count, near.clearance, near.gap) == (every.count, every.clearance, every.gap)
+    assert every.count > 10
 
 
 def test_a_world_counts_contacts_also_when_it_keeps_no_trace() -> None:

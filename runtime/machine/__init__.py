@@ -1,0 +1,1 @@
+"""What this machine bears, and how the agents of a run share its processes."""

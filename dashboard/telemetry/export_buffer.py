@@ -96,9 +96,12 @@ class ExportBuffer:
             table = self._floats[row]
             table[:, 0:3], table[:, 3:5] = state.poses, state.slots[:, :2]
             table[:, 5], table[:, 6] = state.distance_errors, state.angle_errors
-            table[:, 7] = [-1.0 if link.age is None else link.age for link in links]
+            senders = [link.sender - 1 for link in links]  # robots that are away have no link
+            table[:, 7] = -1.0
+            table[senders, 7] = [-1.0 if link.age is None else link.age for link in links]
             table[:, 8] = [statuses[i].solve if i in statuses else 0.0 for i in range(1, len(state.poses) + 1)]
-            self._flags[row] = [_flags(state, link) for link in links]
+            self._flags[row] = [_flags(state, robot) for robot in range(1, len(state.poses) + 1)]
+            self._flags[row, senders] += np.array([LOST * link.lost + CUT * link.cut for link in links], dtype=np.uint8)
 
     def _begin(self, state: State) -> None:
         self._key = state.episode, len(state.poses)
@@ -133,7 +136,6 @@ class ExportBuffer:
             )
 
 
-def _flags(state: State, link: LinkView) -> int:
-    """Flags of the robot that sends over this link."""
-    robot = link.sender
-    return LOST * link.lost + CUT * link.cut + DEAD * (robot not in state.live) + HELD * (robot in state.stopped)
+def _flags(state: State, robot: int) -> int:
+    """Flags of a robot, without those of the link that it sends over."""
+    return DEAD * (robot not in state.live) + HELD * (robot in state.stopped)

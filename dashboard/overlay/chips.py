@@ -51,15 +51,15 @@ def chips(snapshot: Snapshot, beliefs: list[BeliefView]) -> list[Chip]:
             hues = (hue(belief.receiver, n), hue(belief.sender, n))
             found.append(Chip(f"off {belief.receiver}", "/believed", belief.sender - 1, hues, number, text, "bad"))
     if scenario.path.known_to == "leader" and n > 1:
-        found += _ways(snapshot.statuses, n, driven=scenario.driven)
+        found += _ways(snapshot.statuses, n, snapshot.leader, driven=scenario.driven)
     return found[:MOST]
 
 
-def _ways(statuses: Mapping[int, Status], n: int, *, driven: bool) -> list[Chip]:
+def _ways(statuses: Mapping[int, Status], n: int, first: int, *, driven: bool) -> list[Chip]:
     """Who knows the path, and whose knowledge is old."""
-    found = [Chip("knows", "/bodies", 0, (hue(1, n),), "driven" if driven else "knows the path", "", "")]
+    found = [Chip("knows", "/bodies", first - 1, (hue(first, n),), "driven" if driven else "knows the path", "", "")]
     for robot, status in sorted(statuses.items()):
-        if robot > 1 and status.way_age > LOST_SECONDS:
+        if robot != first and status.way_age > LOST_SECONDS:
             age = " ".join(duration(status.way_age))
             colour = "bad" if status.lost else "warn"
             found.append(

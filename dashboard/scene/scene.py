@@ -183,7 +183,7 @@ class Scene:
         )
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
         if "/preview" in self._nodes:
-            said = layers.own_plans(snapshot.statuses, n, state.episode)[0]
+            said = layers.own_plans(snapshot.statuses, n, state.episode)[snapshot.leader - 1]
             self._nodes["/preview"].points = layers.preview(said, steps, z(1))
             self._nodes["/goal"].points = layers.goal(state.driving.goal, 0.03 * self._sizes.unit, z(8))
 

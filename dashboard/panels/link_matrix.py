@@ -12,6 +12,8 @@ from formation.link_ids import LinkId
 
 MATRIX_ROBOTS = 8
 """With more robots the links are shown as a list."""
+MOST = 96
+"""With more links the worst are listed."""
 
 
 def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable, target: Collection[str]) -> str:
@@ -28,7 +30,10 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
     if snapshot.state is None:
         return ""
     n = len(snapshot.state.poses)
-    numbers = range(1, n + 1)
+    numbers, left_out = range(1, n + 1), max(0, len(links) - MOST)
+    if left_out:
+        worst = sorted(links, key=lambda link: (str(link.id) not in target, -link.level, -(link.age or 0.0)))
+        links = sorted(worst[:MOST], key=lambda link: link.sender)
     away = snapshot.state.away
     both = {i: {str(LinkId.plans_to(i, n, away)), str(LinkId.plans_from(i, n, away))} for i in numbers}
     driven = snapshot.scenario is not None and snapshot.scenario.driven
@@ -37,6 +42,7 @@ def link_matrix(snapshot: Snapshot, links: list[LinkView], clickable: Clickable,
         driver=driver_link(snapshot.state, snapshot.statuses) if driven else None,
         numbers=numbers,
         few=n <= MATRIX_ROBOTS,
+        left_out=left_out,
         links={link.id: link for link in links},
         hues={i: hue(i, n) for i in numbers},
         colour_of=_colour,

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.run_summary import lag, robot_label
+from dashboard.panels.hops import robot_label
+from dashboard.panels.run_summary import lag
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
@@ -14,6 +15,11 @@ from network.messages import State, Status
 
 BUTTONS = {"kill": "bad", "restart": "muted", "leave": "muted"}
 """Buttons of a row and their colours."""
+SIGNS = {"kill": "✕", "restart": "↻", "leave": "−", "join": "+"}
+"""What stands on them: words would be wider than the panel."""
+
+MOST = 64
+"""With more robots those that need a look are shown, and of the others the first."""
 
 
 class Row(NamedTuple):
@@ -48,7 +54,20 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
     to = {link.receiver: link for link in links}
     rows = [_row(state, i, snapshot.statuses.get(i), to.get(i)) for i in robots if state is not None]
-    return render("panels/robot_table.html", rows=rows, clickable=clickable, noise=snapshot.noise)
+    left_out = max(0, len(rows) - MOST)
+    if left_out:
+        worst = sorted(rows, key=lambda row: -max(row.level, row.link.level if row.link else 0.0))[:MOST]
+        rows = sorted(worst, key=lambda row: row.robot)
+    told = snapshot.scenario is not None and snapshot.scenario.path.known_to == "leader"
+    return render(
+        "panels/robot_table.html",
+        rows=rows,
+        told=told,
+        left_out=left_out,
+        signs=SIGNS,
+        clickable=clickable,
+        noise=snapshot.noise,
+    )
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:

@@ -15,7 +15,8 @@ from network.messages import State, Status
 
 BUTTONS = {"kill": "bad", "restart": "muted", "leave": "muted"}
 """Buttons of a row and their colours."""
-
+SIGNS = {"kill": "✕", "restart": "↻", "leave": "−", "join": "+"}
+"""What stands on them: words would be wider than the panel."""
 
 MOST = 64
 """With more robots those that need a look are shown, and of the others the first."""
@@ -57,7 +58,16 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     if left_out:
         worst = sorted(rows, key=lambda row: -max(row.level, row.link.level if row.link else 0.0))[:MOST]
         rows = sorted(worst, key=lambda row: row.robot)
-    return render("panels/robot_table.html", rows=rows, left_out=left_out, clickable=clickable, noise=snapshot.noise)
+    told = snapshot.scenario is not None and snapshot.scenario.path.known_to == "leader"
+    return render(
+        "panels/robot_table.html",
+        rows=rows,
+        told=told,
+        left_out=left_out,
+        signs=SIGNS,
+        clickable=clickable,
+        noise=snapshot.noise,
+    )
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:

@@ -183,7 +183,7 @@ class Scene:
         )
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
         if "/preview" in self._nodes:
-            said = layers.own_plans(snapshot.statuses, n, state.episode)[0]
+            said = layers.own_plans(snapshot.statuses, n, state.episode)[snapshot.leader - 1]
             line = self._nodes["/preview"].points = layers.preview(said, steps, z(1))
             if "/ribbon" in self._nodes:
                 self._nodes["/ribbon"].points = layers.ribbon(line, self._sizes.ribbon, z(2))

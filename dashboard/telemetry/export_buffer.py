@@ -18,7 +18,7 @@ ROW_SECONDS = 0.1
 """Simulated time between two rows, at least [s]: ROWS hold five minutes."""
 KEPT_EVENTS = 500
 KEPT_EXCURSIONS = 300
-LOST, DEAD, HELD, CUT = 1, 2, 4, 8
+LOST, DEAD, HELD, CUT, AWAY = 1, 2, 4, 8, 16
 """Bits of a robot's flags: the link from it is lost or cut; it has no agent; it is stopped by the watchdog."""
 _FLOATS = ("x", "y", "heading", "slot_x", "slot_y", "distance_error", "angle_error", "age", "solve")
 """Columns of every robot [m, rad, s]; `age` is that of the plan over the link from it, -1 if unknown."""
@@ -103,6 +103,7 @@ class ExportBuffer:
             self._flags[row] = DEAD  # but for those that have an agent, and links have flags too
             self._flags[row, _rows(state.live, len(state.poses))] = 0
             self._flags[row, _rows(state.stopped, len(state.poses))] += HELD
+            self._flags[row, _rows(state.away, len(state.poses))] += AWAY
             self._flags[row, senders] += np.array([LOST * link.lost + CUT * link.cut for link in links], dtype=np.uint8)
 
     def _begin(self, state: State) -> None:

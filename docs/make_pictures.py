@@ -42,6 +42,7 @@ class Camera(NamedTuple):
         driven.page.set_viewport_size(size)
         if light:
             driven.tick("Light", True)
+        driven.until(lambda: "graphics card" not in driven.text(), "end of the notice about it", 60.0)
         driven.page.evaluate(UNSCROLL)
         driven.page.wait_for_timeout(settle_ms)
         shot = Image.open(io.BytesIO(driven.page.screenshot()))
@@ -95,7 +96,7 @@ def followed(camera: Camera) -> None:
         driven.wait_text("● LIVE")
         driven.show("Ledger")
         driven.wait_text("Excursions")
-        driven.page.locator("[data-cell^=excursion]").last.dispatch_event("pointerdown")
+        driven.page.locator("[data-cell^=excursion]").first.dispatch_event("pointerdown")
         driven.wait_text("How it came")
         camera.take(driven, "ledger", SMALL)
 

@@ -47,7 +47,7 @@
     const line = source("status");
     let html = now < notice.until ? notice.html : line ? line.innerHTML : "";
     if (line && now >= notice.until && now - born < SOFTWARE_MS && document.getElementById("webgl-software-rendering"))
-      html += ' <span class="e-keys">Drawn without a graphics card.</span>';
+      html = html.replace(/<span class="e-keys">.*?<.span>/, "") + ' <span class="e-keys">Drawn without a graphics card.</span>';
     if (status.innerHTML !== html && shown.line !== html) { shown.line = html; status.innerHTML = html; }
   }
 

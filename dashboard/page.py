@@ -48,6 +48,8 @@ UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
 """Between two updates of the panels and of the plots [s]."""
+PANEL_SHARE = 0.2
+"""Of the time, that panels may take: with very many robots they are drawn less often."""
 WIDE = 1400
 """Pages that are narrower than this get narrower panels [px]."""
 PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
@@ -91,7 +93,7 @@ class Page:
         self._cameras = Cameras(server)
         self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked, on_drag=self._dragged)
         self._errors = ThrottledLog()
-        self._panels_drawn_at = self._plots_drawn_at = 0.0
+        self._panels_drawn_at = self._plots_drawn_at = self._panel_pause = 0.0
         self._panels_key: tuple[object, ...] = ()
         """Of the panels as last drawn: they are drawn at once when it changes."""
         self._palette = DARK
@@ -235,10 +237,11 @@ class Page:
             self._scene.set_palette(self._palette)
             self._scene.draw(view, whole=whole)
             now, key = monotonic(), self._key(live, view)
-            panels = now - self._panels_drawn_at >= PANEL_INTERVAL or key != self._panels_key
+            panels = now - self._panels_drawn_at >= self._panel_pause or key != self._panels_key
             if panels:
                 self._draw_panels(live, view, whole=whole or key != self._panels_key)
                 self._panels_drawn_at, self._panels_key = now, key
+                self._panel_pause = max(PANEL_INTERVAL, (monotonic() - now) / PANEL_SHARE)
             if whole or (not panels and now - self._plots_drawn_at >= PLOT_INTERVAL):
                 self._plots_drawn_at = now
                 self._draw_plots(view)

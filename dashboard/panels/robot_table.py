@@ -7,7 +7,7 @@ from dashboard.panels.run_summary import lag, robot_label
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
-from dashboard.theme.limits import LAG_LIMIT
+from dashboard.theme.limits import LAG_LIMIT, MOST_ROWS
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
 from network.messages import State, Status
@@ -37,7 +37,7 @@ class Row(NamedTuple):
 
 
 def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable) -> str:
-    """HTML of the table.
+    """HTML of the table: of many robots, those whose agents are worst off.
 
     Args:
         snapshot: what is known.
@@ -48,7 +48,10 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
     to = {link.receiver: link for link in links}
     rows = [_row(state, i, snapshot.statuses.get(i), to.get(i)) for i in robots if state is not None]
-    return render("panels/robot_table.html", rows=rows, clickable=clickable, noise=snapshot.noise)
+    worst = sorted(rows, key=lambda row: (-row.level, row.robot))[:MOST_ROWS]
+    shown = sorted(worst, key=lambda row: row.robot)
+    more = len(rows) - len(shown)
+    return render("panels/robot_table.html", rows=shown, more=more, clickable=clickable, noise=snapshot.noise)
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:

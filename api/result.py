@@ -115,7 +115,7 @@ class Result:
         return self.table().to_parquet(file, {ABOUT: json.dumps({**kept, "ages": ages})})
 
     def plot(self, file: str | Path | None = None) -> Any:
-        """Draw the ways of the robots and the pattern errors.
+        """Draw the ways of the robots and the pattern errors, excursions shaded.
 
         Args:
             file: where to write the picture, if anywhere; its suffix says the format.
@@ -125,7 +125,8 @@ class Result:
         """
         from experiments.report.episode import draw  # noqa: PLC0415  matplotlib
 
-        drawn = draw(self.scenario, self.times, self.poses, self.distance_errors, self.angle_errors)
+        found = self._summary.get("excursions", ())
+        drawn = draw(self.scenario, self.times, self.poses, self.distance_errors, self.angle_errors, found)
         if file is not None:
             drawn.savefig(file)
         return drawn

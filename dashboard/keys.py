@@ -39,6 +39,15 @@ class Handle(NamedTuple):
     """What the playhead is told; "begin" is the first moment that is kept."""
 
 
+class Cell(NamedTuple):
+    """A key of a table's cell."""
+
+    shown: str
+    meaning: str
+    step: int
+    """To which cell it goes from this one; 0 presses it."""
+
+
 COMMANDS = {
     "Start or pause": Shortcut("P", ""),
     "Step": Shortcut("S", "a few ticks"),
@@ -74,6 +83,15 @@ HANDLE = {
     " ": Handle("Space", "play from here, or stop here", "play"),
 }
 """By KeyboardEvent.key: pressed while the time line's handle has the focus."""
+CELLS = {
+    "ArrowUp": Cell("↑", "the cell before", -1),
+    "ArrowLeft": Cell("←", "the cell before", -1),
+    "ArrowDown": Cell("↓", "the next cell", 1),
+    "ArrowRight": Cell("→", "the next cell", 1),
+    "Enter": Cell("Enter", "press it", 0),
+    " ": Cell("Space", "press it", 0),
+}
+"""By KeyboardEvent.key: pressed while a cell that can be pressed has the focus."""
 OF_VISER = (
     (("Ctrl K",), "all commands, to search"),
     (("W", "S"), "camera forward and back"),
@@ -82,6 +100,15 @@ OF_VISER = (
     (("←", "→", "↑", "↓"), "turn the camera"),
 )
 """Keys that viser binds, and what they do."""
+
+
+def driving_keys() -> list[tuple[str, list[str]]]:
+    """Ahead, left, back and right: the sign of the arrow key, and the codes of all keys that do it."""
+    found: dict[tuple[int, int], tuple[str, list[str]]] = {}
+    for code, key in DRIVING.items():
+        shown, codes = found.get(key.signs, ("", []))
+        found[key.signs] = (key.shown if code.startswith("Arrow") else shown, [*codes, code])
+    return [found[signs] for signs in ((1, 0), (0, 1), (-1, 0), (0, -1))]
 
 
 def bind(gui: viser.GuiApi, name: str, icon: viser.IconName, on_trigger: Callable[[Any], None]) -> None:
@@ -105,6 +132,7 @@ def groups() -> list[Group]:
     return [
         Group("Anywhere", [((HELP,), "this help; Esc closes it"), *commands]),
         Group("On the handle of the time line", _together((one.shown, one.meaning) for one in HANDLE.values())),
+        Group("On a cell of a table (Tab goes there)", _together((one.shown, one.meaning) for one in CELLS.values())),
         Group("On the page that has the wheel", _together((one.shown, one.meaning) for one in DRIVING.values())),
         Group("Of the viewer, on pages without the wheel", list(OF_VISER)),
     ]

@@ -10,7 +10,6 @@ from dashboard.overlay.overlay import Overlay
 from dashboard.overlay.time_line import TimeLine
 from dashboard.panels.agent_lifecycle import VERBS, AgentLifecycle
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.driving import DrivePanel
 from dashboard.panels.event_log import event_log
 from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
@@ -28,6 +27,7 @@ from dashboard.requests import NO_RUN, RequestQueue
 from dashboard.scenario_list import ScenarioList
 from dashboard.scene.cameras import Cameras
 from dashboard.scene.scene import Scene
+from dashboard.steering.steering import Steering
 from dashboard.telemetry.feed import Feed, View
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.telemetry.subscriber import TelemetrySubscriber
@@ -105,7 +105,7 @@ class Page:
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:
         gui.add_html(style_element())
         self._run = RunPanel(gui, self._requests, self._scenarios, self._feed)
-        self._drive = DrivePanel(self._server, self._requests)
+        self._steering = Steering(self._server, self._requests, self._notices.notify)
         self._push = PushPanel(gui, self._requests)
         self._faults = FaultPanel(gui, self._requests)
         self._view = ViewPanel(gui, self._cameras, self._scene, self._set_palette)
@@ -237,7 +237,7 @@ class Page:
             self._scene.set_palette(self._palette)
             self._scene.draw(view, whole=whole)
             now, key = monotonic(), self._key(live, view)
-            panels = now - self._panels_drawn_at >= self._panel_pause or key != self._panels_key
+            panels = whole or now - self._panels_drawn_at >= self._panel_pause or key != self._panels_key
             if panels:
                 self._draw_panels(live, view, whole=whole or key != self._panels_key)
                 self._panels_drawn_at, self._panels_key = now, key
@@ -251,9 +251,11 @@ class Page:
 
     def _draw_plots(self, view: View) -> None:
         series, state = self._feed.series(view), view.snapshot.state
-        cursor = None if view.place is None else view.place.stamp
+        cursor, spans = (None if view.place is None else view.place.stamp), self._feed.spans(view)
         for chart in self._charts:
-            chart.draw(series, ghost=bool(state and state.compare), cursor=cursor)
+            chart.draw(
+                series, ghost=bool(state and state.compare), cursor=cursor, spans=spans, chosen=self._ledger.span
+            )
 
     def _key(self, live: View, view: View) -> tuple[object, ...]:
         """What users see at once when it changes; the rest of the panels is drawn every PANEL_INTERVAL."""
@@ -270,7 +272,7 @@ class Page:
         """Draw what belongs to the moment that is looked at, and controls as the run has them now."""
         snapshot = live.snapshot
         self._run.draw(live, view)
-        self._drive.draw(snapshot)
+        self._steering.draw(snapshot)
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
         verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", *VERBS), n)}

@@ -107,6 +107,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"export", "keys", "notices"},
         {"requests", "scenario_list"},
         {"panels"},
+        {"steering"},
         {"overlay", "serving"},
         {"page"},
         {"__main__"},

@@ -62,7 +62,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _print(event: Event) -> None:
-    print(f"t = {event.stamp:.2f} s: {event.text}", file=sys.stderr, flush=True)
+    print(
+        f"t = {event.stamp:.2f} s: {event.text}\n", end="", file=sys.stderr, flush=True
+    )  # at once: logs split at writes
 
 
 def _saved(folder: Path) -> Parts | None:

@@ -40,6 +40,10 @@ def as_replay(run: str, data: ExportData, scenario: Scenario, path: FloatArray, 
         "path": _packed(path),
         "values": {name: _packed(value) for name, value in data.values.items()},
         "flags": base64.b64encode(data.flags.tobytes()).decode(),
+        "excursions": [
+            [one.at, one.robot, one.peak, one.until, one.recovery, one.cause, one.cause_at] for one in data.excursions
+        ],
+        "excursionLimit": data.excursion_limit,
         "events": [[event.stamp, event.kind, event.text] for event in data.events],
     }
     return render("export/replay.html", data=fields).encode()

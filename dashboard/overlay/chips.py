@@ -1,6 +1,6 @@
 """Chips at robots: who knows the path, how old the others' knowledge of it is, and beliefs that are far off."""
 
-from collections.abc import Mapping
+from collections.abc import Collection
 from typing import NamedTuple
 
 from dashboard.telemetry.beliefs import BeliefView
@@ -9,10 +9,12 @@ from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration, length
 from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import hue
-from network.messages import Status
 
 MOST = 10
 """Chips at once; the first are the most important."""
+
+COUNTED = 6
+"""Of a formation that is driven, at most so many robots have a chip with their hops while all is well."""
 
 
 class Chip(NamedTuple):
@@ -51,15 +53,21 @@ def chips(snapshot: Snapshot, beliefs: list[BeliefView]) -> list[Chip]:
             hues = (hue(belief.receiver, n), hue(belief.sender, n))
             found.append(Chip(f"off {belief.receiver}", "/believed", belief.sender - 1, hues, number, text, "bad"))
     if scenario.path.known_to == "leader" and n > 1:
-        found += _ways(snapshot.statuses, n, driven=scenario.driven)
+        found += _ways(snapshot, state.away, n, driven=scenario.driven)
     return found[:MOST]
 
 
-def _ways(statuses: Mapping[int, Status], n: int, *, driven: bool) -> list[Chip]:
-    """Who knows the path, and whose knowledge is old."""
-    found = [Chip("knows", "/bodies", 0, (hue(1, n),), "driven" if driven else "knows the path", "", "")]
+def _ways(snapshot: Snapshot, away: Collection[int], n: int, *, driven: bool) -> list[Chip]:
+    """Who knows the path, and whose knowledge is old; robots that are away have none."""
+    first = snapshot.leader
+    statuses = {robot: status for robot, status in snapshot.statuses.items() if robot not in away}
+    found = [Chip("knows", "/bodies", first - 1, (hue(first, n),), "driven" if driven else "knows the path", "", "")]
     for robot, status in sorted(statuses.items()):
-        if robot > 1 and status.way_age > LOST_SECONDS:
+        hops = sum(i not in away for i in range(first, robot))
+        if driven and first < robot <= n <= COUNTED and status.way_age <= LOST_SECONDS:
+            age, text = " ".join(duration(status.way_age)), f"{hops} hop{'s' if hops > 1 else ''}"
+            found.append(Chip(f"way {robot}", "/bodies", robot - 1, (hue(robot, n),), age, text, "ok"))
+        if robot != first and status.way_age > LOST_SECONDS:
             age = " ".join(duration(status.way_age))
             colour = "bad" if status.lost else "warn"
             found.append(

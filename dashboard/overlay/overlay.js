@@ -3,7 +3,7 @@
   // and the camera, from viser's client. They are placed right after a frame is drawn, from what was drawn: the newest
   // message may be a frame ahead. Nothing is placed while nothing has changed.
   if (window.__echelonOverlay) window.__echelonOverlay();
-  const LEAST = 26, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
+  const LEAST = 26, LEAST_OF_CROWD = 8, LARGEST = 16, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
   const SCALED = ["/bodies", "/outlines", "/believed", "/heads", "/slots", "/ghosts", "/told"];
   const root = document.createElement("div");
   root.id = "e-overlay";
@@ -35,9 +35,9 @@
     Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, words + "," + (++told));
     input.dispatchEvent(new Event("input", {bubbles: true}));
   }
-  const modules = [];  // of the parts below: {take(), place(project, area)}
+  const modules = [], ends = [];  // of the parts below: {take()} now and then, and what is done when the script is replaced
   const tables = "TABLES";  // of keys and signs, and the help: the script is sent with them in this place
-  window.__echelonParts = {root, changed, value, tell, modules, tables, redraw: () => { dirty = true; }};
+  window.__echelonParts = {root, changed, value, tell, modules, ends, tables, redraw: () => { dirty = true; }};
 
   // ---- status line
   function statusLine(now) {
@@ -79,8 +79,9 @@
       return apply(mesh.matrixWorld.elements, m[at + 12], m[at + 13], m[at + 14], 1);
     }};
   }
-  function rescale(viewer, tree, perMetre) {
-    const least = Math.max(1, LEAST / Math.max(1e-6, config.length * perMetre));
+  function rescale(viewer, tree, perMetre, count) {
+    const wanted = count > CROWD ? LEAST_OF_CROWD : LEAST;
+    const least = Math.min(LARGEST, Math.max(1, wanted / Math.max(1e-6, config.length * perMetre)));
     const scale = Math.exp(Math.round(Math.log(least) * 40) / 40);
     for (const name of SCALED) {
       const node = tree[name];
@@ -115,6 +116,7 @@
       if (!made) {
         made = {element: document.createElement("div"), side: 0, html: ""};
         made.element.className = "e-over-chip";
+        made.element.dataset.key = name;
         chips.set(name, made);
         things.appendChild(made.element);
       }
@@ -165,13 +167,16 @@
       chip.element.style.transform = `translate(${b.x.toFixed(1)}px,${b.y.toFixed(1)}px)`;
     }
   }
-  function placeNumbers(count, project) {
-    const taken = [];
+  function placeNumbers(count, project, area) {
+    const taken = [], first = count > CROWD ? project("/bodies", 0) : null;
+    const near = first && config.length * first.perMetre > LEAST;  // else they would lie on one another
     for (let i = 0; i < Math.max(count, numbers.length); i++) {
-      const at = i < count ? project("/bodies", i) : null;
+      const at = i < count && (count <= CROWD || near) ? project("/bodies", i) : null;
+      const inside = at && at.x > -20 && at.y > -20 && at.x < area.width + 20 && at.y < area.height + 20;
+      if (!inside && !numbers[i]) continue;  // of a crowd a page makes what it shows
       const made = number(i);
-      made.style.visibility = at ? "visible" : "hidden";
-      if (!at) continue;
+      if (made.shown !== inside) made.style.visibility = (made.shown = inside) ? "visible" : "hidden";
+      if (!inside) continue;
       const digit = Math.min(MOST_DIGIT, Math.max(LEAST_DIGIT, config.digit * at.perMetre)) * (i < 9 ? 1 : 0.8);
       const size = Math.max(LEAST, config.length * at.perMetre) * 0.55;
       made.style.transform = `translate(${at.x.toFixed(1)}px,${at.y.toFixed(1)}px) translate(-50%,-50%)`;
@@ -193,7 +198,7 @@
     dirty = true;
   }
   function look(now) {
-    for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound"])
+    for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound", "drive"])
       if (!source(name)) sources[name] = document.querySelector(`[data-part="${name}"]`);
     const found = changed("config");
     if (found) { config = value(found) || config; dirty = true; }
@@ -205,10 +210,10 @@
     const viewer = window.__viserMutable, tree = window.__viserSceneTree.getState(), bodies = drawn(viewer, "/bodies");
     place(viewer.canvas);  // a window may have changed since
     const area = {width: root.clientWidth, height: root.clientHeight};
-    if (!bodies) return;
+    if (!bodies || area.height < 50) return;  // a window that is being laid out
     const project = projection(viewer, area), first = project("/bodies", 0);
-    if (first) rescale(viewer, tree, first.perMetre);
-    placeChips(project, area, placeNumbers(bodies.count, project));
+    if (first) rescale(viewer, tree, first.perMetre, bodies.count);
+    placeChips(project, area, placeNumbers(bodies.count, project, area));
     dirty = false;
   }
   function guarded(what) {
@@ -229,6 +234,7 @@
   window.__echelonOverlay = function () {
     clearInterval(timer);
     if (hooked) hooked.onAfterRender = () => {};
+    ends.forEach(end => end());
     root.remove();
     window.__echelonOverlay = null;
   };

@@ -12,7 +12,7 @@ from typing import Any
 
 import viser
 
-from dashboard.keys import COMMANDS, HANDLE, HELP
+from dashboard.keys import CELLS, COMMANDS, HANDLE, HELP, driving_keys
 from dashboard.notices import Notice
 from dashboard.overlay.chips import chips
 from dashboard.overlay.help import help_html
@@ -20,10 +20,11 @@ from dashboard.overlay.status_line import status_line
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.scene.layers import Sizes
 from dashboard.telemetry.feed import View
+from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.signs import SIGNS
 from dashboard.theme.templates import render
 
-SCRIPTS = ("overlay", "time_line", "help")
+SCRIPTS = ("overlay", "time_line", "help", "reach", "drive")
 MAX_TEXT = 64
 """Of what a page writes into the hidden field."""
 
@@ -51,6 +52,7 @@ class Overlay:
         self._config = gui.add_html("")
         self._status = gui.add_html("")
         self._chips = gui.add_html("")
+        self._drive = gui.add_html("")
         gui.add_html(
             f"<style>:has(> * > * > * > {label}){{display:none}}</style>"
             f'<img alt="" style="display:none" src="data:," onerror="{escape(script)}">'
@@ -81,10 +83,20 @@ class Overlay:
         """Show the status line and the chips of a moment."""
         config = {"length": sizes.body[0], "digit": 0.024 * sizes.unit}
         set_if_changed(self._config, "content", hidden_part("config", config))
+        set_if_changed(self._drive, "content", hidden_part("drive", _driving(view.snapshot)))
         line = status_line(view.snapshot, view.links)
         set_if_changed(self._status, "content", render("overlay/status_line.html", line=line))
         shown = render("overlay/chips.html", chips=chips(view.snapshot, view.beliefs))
         set_if_changed(self._chips, "content", shown)
+
+
+def _driving(snapshot: Snapshot) -> dict[str, float] | None:
+    """What is ordered, and at most can be, if the path is driven."""
+    state, scenario = snapshot.state, snapshot.scenario
+    if state is None or scenario is None or not scenario.driven:
+        return None
+    ordered, law = state.driving, scenario.law
+    return {"v": round(ordered.v, 3), "omega": round(ordered.omega, 3), "speed": law.speed, "turn": law.turn}
 
 
 def hidden_part(name: str, value: object) -> str:
@@ -98,6 +110,8 @@ def _tables() -> dict[str, object]:
         "signs": {kind: (sign.form, sign.colour) for kind, sign in SIGNS.items()},
         "shortcuts": {name: key for name, (key, _) in COMMANDS.items()},
         "handle": {key: one.words for key, one in HANDLE.items()},
+        "cells": {key: one.step for key, one in CELLS.items()},
+        "driving": driving_keys(),
         "helpKey": HELP,
         "help": help_html(),
     }

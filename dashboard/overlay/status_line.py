@@ -39,6 +39,9 @@ def status_line(snapshot: Snapshot, links: list[LinkView]) -> StatusLine:
     if gone:
         rest = "The others go on with the last plans that they received."
         return StatusLine("bad", f"{_robots(gone)} {'has' if len(gone) == 1 else 'have'} no agent.", rest)
+    if state.away:
+        verb = "has" if len(state.away) == 1 else "have"
+        return StatusLine("warn", f"{_robots(state.away)} {verb} left the ring.", "The others have closed it.")
     if lost:
         rest = "They go on as they last went."
         return StatusLine("bad", f"{_robots(lost)} used up the way that {_was(lost)} told.", rest)
@@ -49,10 +52,12 @@ def status_line(snapshot: Snapshot, links: list[LinkView]) -> StatusLine:
         return StatusLine("warn", f"Link {worst.sender} → {worst.receiver} is {label}: {', '.join(parts)}.", rest)
     fresh = f"All links fresh: oldest plan {_time(oldest(links))}."
     if told:
-        ages = [status.way_age for robot, status in snapshot.statuses.items() if robot > 1]
-        others = _robots(range(2, n + 1)).removeprefix("Robots ").removeprefix("Robot ")
+        first = snapshot.leader
+        members = [robot for robot in range(1, n + 1) if robot not in (first, *state.away)]
+        ages = [snapshot.statuses[robot].way_age for robot in members if robot in snapshot.statuses]
+        others = _robots(members).removeprefix("Robots ").removeprefix("Robot ")
         knows = "hears its driver" if snapshot.scenario.driven else "knows the path"
-        learn = f"Robot 1 {knows}; {others} learn it hop by hop within {_time(max(ages, default=0.0))}."
+        learn = f"Robot {first} {knows}; {others} learn it hop by hop within {_time(max(ages, default=0.0))}."
         return StatusLine("r1", learn, "All links fresh.")
     return StatusLine("r1", "Every robot knows the path.", fresh)
 

@@ -60,7 +60,7 @@
     const y = error => BASE - (BASE - TOP - 6) * Math.min(1, error / top);
     for (const [number, kind, begins, ends] of marks) {
       const from = x(number, begins);
-      if (from === null || kind === "push") continue;
+      if (from === null || (kind === "push" && ends === null)) continue;
       const to = x(number, ends === null ? Infinity : ends);
       parts.push(`<rect x="${from.toFixed(1)}" y="${TOP}" width="${Math.max(1, to - from).toFixed(1)}" height="${BASE - TOP}" ` +
         `style="fill:var(--${FORMS[kind][1]})" opacity=".22"/>`);

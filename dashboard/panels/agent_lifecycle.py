@@ -11,7 +11,7 @@ from network.messages import State
 
 _KILL = (
     "Its process is killed. The watchdog stops robot {robot} after 0.2 s, the robot downstream continues with the last "
-    "plan it received, and the agent stays down until you press **restart**."
+    "plan it received, and the agent stays down until you press ↻ (restart)."
 )
 _RESTART = "Its process is killed, and a new one starts that knows nothing of the episode so far."
 

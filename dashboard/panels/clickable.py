@@ -1,7 +1,7 @@
 """Cells of a table that can be clicked.
 
 viser has no table, and its HTML sends no events. A click on a cell therefore clicks a hidden button of viser's: it
-then arrives over the web socket as any other, with the page it came from.
+then arrives over the web socket as any other, with the page it came from. With the keyboard, overlay/reach.js does.
 """
 
 from collections.abc import Callable
@@ -10,6 +10,17 @@ from typing import Any
 import viser
 
 NOTHING = "nothing"
+NAMES = {
+    "all": "Aim faults at all links",
+    "driver": "Aim faults at the driver's link",
+    "link": "Aim faults at the link from robot {}",
+    "both": "Aim faults at both links of robot {}",
+    "focus": "Follow robot {}",
+    "leave": "Let robot {} leave the ring",
+    "join": "Let robot {} join the ring",
+    "excursion": "Go to this excursion",
+}
+"""What a cell of a verb is called for those who do not see the table; other verbs stand before the robot's number."""
 
 OnClick = Callable[[str, int, viser.GuiEvent[Any]], None]
 """(verb, number, event): what was clicked."""
@@ -45,7 +56,9 @@ class Clickable:
         name = f"{verb} {number}"
         if name not in self._indices:
             return {}
-        return {"data-click": str(self._indices[name]), "role": "button", "aria-label": name}
+        words = NAMES.get(verb, f"{verb.capitalize()} agent {{}}").format(number)
+        index = str(self._indices[name])
+        return {"data-click": index, "data-cell": name, "role": "button", "tabindex": "0", "aria-label": words}
 
     def _clicked(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is None or event.target.value not in self._group.options:  # a page may send anything

@@ -66,6 +66,15 @@ class LedgerTab:
         begins = found.at if found.cause_at is None else max(found.cause_at, found.at - 5.0)
         self._playhead.go_in_run(state.episode, max(0.0, begins - BEFORE))
 
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """Begin and end of the chosen excursion [s]; None without one."""
+        state = self._state
+        if state is None or self._chosen is None or state.episode != self._chosen[0]:
+            return None
+        found = next((one for one in state.excursions if one.number == self._chosen[1]), None)
+        return None if found is None else (found.at, state.stamp if found.until is None else found.until)
+
     @staticmethod
     def verbs(state: State | None) -> dict[str, int]:
         """What Clickable has to take."""

@@ -3,6 +3,7 @@
 viser sends a plot's arrays whole each time, so they hold no more points than the panel has pixels.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +22,10 @@ from formation.arrays import FloatArray
 SKY, VIOLET, PINK, CYAN, BLUE, MEAN, GHOST = "r1", "r2", "r3", "r4", "r6", "muted", "ghost"
 """Names of colours in the palettes."""
 LIMIT, EVENT, INVISIBLE = "rgba(240,72,92,.55)", "rgba(247,184,62,.5)", "transparent"
+SPAN, CHOSEN = "rgba(247,184,62,.13)", "rgba(86,180,233,.28)"
+"""Behind the curves while a fault or a push acts, and during the excursion that is chosen in the ledger."""
+Span = tuple[float, float]
+"""Begin and end [s]."""
 NEAR_LIMIT = 0.4
 """The limit is drawn once values reach this share of it; before, it would only flatten the curves."""
 HEIGHT = 84
@@ -37,6 +42,8 @@ class Curve:
     colour: str
     """A name in the palettes, or a CSS colour."""
     dash: tuple[float, float] | None = None
+    fill: str | None = None
+    """What is below it is filled with this CSS colour."""
 
     @property
     def ghost(self) -> bool:
@@ -71,8 +78,8 @@ FIRST = (
         limit=1e3 * DISTANCE_LIMIT,
     ),
     Plot(
-        "Age of the newest plan",
-        "ms, up to 3 s",
+        "Age of newest plan",
+        "ms",
         (Curve("age_max", "max", CYAN), Curve("age_mean", "mean", MEAN)),
         floor=100.0,
         limit=1e3 * LOST_SECONDS,
@@ -122,7 +129,9 @@ class Chart:
             Curve("", "event", EVENT),
             Curve("", "cursor", "ink"),
         )
-        curves = (*plot.curves, *extra)
+        # The first are drawn first.
+        shades = (Curve("", "acts", INVISIBLE, fill=SPAN), Curve("", "chosen", INVISIBLE, fill=CHOSEN))
+        curves = (*shades, *plot.curves, *extra)
         # One plot for each theme, of which one is shown: a plot that changes its colours would lose its time axis.
         self._handles = {palette: self._add(gui, curves, palette) for palette in (DARK, LIGHT)}
         self._handle = self._handles[DARK]
@@ -147,13 +156,23 @@ class Chart:
             self._handle.data = shown.data
             shown.visible, self._handle.visible = False, True
 
-    def draw(self, series: dict[str, FloatArray], *, ghost: bool, cursor: float | None = None) -> None:
+    def draw(
+        self,
+        series: dict[str, FloatArray],
+        *,
+        ghost: bool,
+        cursor: float | None = None,
+        spans: Sequence[Span] = (),
+        chosen: Span | None = None,
+    ) -> None:
         """Show the columns of the history.
 
         Args:
             series: columns by name.
             ghost: whether there is a ghost.
             cursor: the moment that is looked at, if it is not the newest [s].
+            spans: when faults and pushes acted [s].
+            chosen: the excursion that is chosen [s].
         """
         plot = self._plot
         shown = [curve for curve in plot.curves if ghost or not curve.ghost]
@@ -169,7 +188,16 @@ class Chart:
         here = np.full_like(event, hidden)
         if cursor is not None:
             here[np.abs(series["t"] - cursor).argmin()] = max(top, limit)
-        self._handle.data = (series["t"], *values, *flat, event, here)
+        shades = [_during(series["t"], some, max(top, limit), hidden) for some in (spans, [chosen] if chosen else [])]
+        self._handle.data = (series["t"], *shades, *values, *flat, event, here)
+
+
+def _during(stamps: FloatArray, spans: Sequence[Span], inside: float, outside: float) -> FloatArray:
+    """One value during the spans, the other else."""
+    found = np.full_like(stamps, outside)
+    for begins, ends in spans:
+        found[np.searchsorted(stamps, begins) : np.searchsorted(stamps, ends, side="right")] = inside
+    return found
 
 
 def _series(curves: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...]:
@@ -181,6 +209,8 @@ def _series(curves: tuple[Curve, ...], palette: Palette) -> tuple[up.Series, ...
         series = up.Series(label=curve.text, stroke=colour, width=width, points={"show": False})
         if curve.dash is not None:
             series["dash"] = curve.dash
+        if curve.fill is not None:
+            series["fill"] = curve.fill
         found.append(series)
     return tuple(found)
 

@@ -3,17 +3,23 @@
 from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.run_summary import lag, robot_label
+from dashboard.panels.hops import robot_label
+from dashboard.panels.run_summary import lag
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
-from dashboard.theme.limits import LAG_LIMIT, MOST_ROWS
+from dashboard.theme.limits import LAG_LIMIT
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
 from network.messages import State, Status
 
 BUTTONS = {"kill": "bad", "restart": "muted", "leave": "muted"}
 """Buttons of a row and their colours."""
+SIGNS = {"kill": "✕", "restart": "↻", "leave": "−", "join": "+"}
+"""What stands on them: words would be wider than the panel."""
+
+MOST = 64
+"""With more robots those that need a look are shown, and of the others the first."""
 
 
 class Row(NamedTuple):
@@ -37,7 +43,7 @@ class Row(NamedTuple):
 
 
 def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable) -> str:
-    """HTML of the table: of many robots, those whose agents are worst off.
+    """HTML of the table.
 
     Args:
         snapshot: what is known.
@@ -48,10 +54,20 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     robots = range(1, 1 + (0 if state is None else len(state.poses)))
     to = {link.receiver: link for link in links}
     rows = [_row(state, i, snapshot.statuses.get(i), to.get(i)) for i in robots if state is not None]
-    worst = sorted(rows, key=lambda row: (-row.level, row.robot))[:MOST_ROWS]
-    shown = sorted(worst, key=lambda row: row.robot)
-    more = len(rows) - len(shown)
-    return render("panels/robot_table.html", rows=shown, more=more, clickable=clickable, noise=snapshot.noise)
+    left_out = max(0, len(rows) - MOST)
+    if left_out:
+        worst = sorted(rows, key=lambda row: -max(row.level, row.link.level if row.link else 0.0))[:MOST]
+        rows = sorted(worst, key=lambda row: row.robot)
+    told = snapshot.scenario is not None and snapshot.scenario.path.known_to == "leader"
+    return render(
+        "panels/robot_table.html",
+        rows=rows,
+        told=told,
+        left_out=left_out,
+        signs=SIGNS,
+        clickable=clickable,
+        noise=snapshot.noise,
+    )
 
 
 def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:

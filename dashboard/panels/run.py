@@ -45,7 +45,7 @@ class RunPanel:
         self._status = ""
         self._summary = gui.add_html("")
         self._toggle = gui.add_button("Start", icon=viser.Icon.PLAYER_PLAY)
-        self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear faults"))
+        self._actions = gui.add_button_group("Run", ("Step", "Reset", "Clear"))
         self._scenario = MirroredControl(gui.add_dropdown("Scenario", scenarios.labels, hint=SCENARIO_HINT))
         self._controller = MirroredControl(gui.add_dropdown("Controller", live()))
         self._left_out = gui.add_html("")
@@ -70,7 +70,7 @@ class RunPanel:
         bind(gui, "Start or pause", viser.Icon.PLAYER_PLAY, lambda event: self._switch(event.client_id))
         bind(gui, "Step", viser.Icon.PLAYER_TRACK_NEXT, lambda event: self._act("Step", event.client_id))
         bind(gui, "Reset", viser.Icon.REFRESH, lambda event: self._act("Reset", event.client_id))
-        bind(gui, "Clear all faults", viser.Icon.ERASER, lambda event: self._act("Clear faults", event.client_id))
+        bind(gui, "Clear all faults", viser.Icon.ERASER, lambda event: self._act("Clear", event.client_id))
 
     # ------------------------------------------------------------------ from the user to the world
 
@@ -81,7 +81,7 @@ class RunPanel:
         self._requests.ask(Pause() if self._status == "running" else Start(), page)
 
     def _act(self, name: str, page: int | None) -> None:
-        operations: dict[str, Operation] = {"Step": Step(ticks=STEP_TICKS), "Reset": Reset(), "Clear faults": Clear()}
+        operations: dict[str, Operation] = {"Step": Step(ticks=STEP_TICKS), "Reset": Reset(), "Clear": Clear()}
         if name in operations:
             self._requests.ask(operations[name], page)
 
@@ -105,7 +105,7 @@ class RunPanel:
         """Show the state of the run: numbers of the moment that is looked at, controls as they are now."""
         record, playhead = not self._feed.source.live, self._feed.playhead
         shown = RECORD if record else REWOUND if view.place is not None else None
-        set_if_changed(self._summary, "content", run_summary(view.snapshot, view.links, shown))
+        set_if_changed(self._summary, "content", run_summary(view.snapshot, view.links, view.beliefs, shown))
         snapshot, state = live.snapshot, live.snapshot.state
         if state is None:
             return

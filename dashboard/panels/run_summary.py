@@ -1,12 +1,13 @@
-"""The summary at the top of the left panel: the run's condition, three numbers, and a chip per robot."""
+"""The summary at the top of the left panel: the run's condition, three numbers, and the strip of robots."""
 
 from typing import NamedTuple
 
+from dashboard.panels.hops import hops, oldest_way
+from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LOST_SECONDS, LinkView, oldest
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration, error, length
-from dashboard.theme.limits import DISTANCE_LIMIT, LAG_LIMIT, TRACKING_LIMIT
-from dashboard.theme.palette import hue
+from dashboard.theme.limits import DISTANCE_LIMIT, LAG_LIMIT
 from dashboard.theme.templates import render
 from network.messages import State, Status
 
@@ -36,12 +37,15 @@ REWOUND = Condition("REWOUND", "warn", "Buttons and sliders show the run as it i
 RECORD = Condition("RECORD", "muted", "What was done cannot be changed: controls that would change it are off.")
 
 
-def run_summary(snapshot: Snapshot, links: list[LinkView], shown: Condition | None = None) -> str:
-    """HTML of the run's condition, its time, the three numbers and a chip per robot.
+def run_summary(
+    snapshot: Snapshot, links: list[LinkView], beliefs: list[BeliefView], shown: Condition | None = None
+) -> str:
+    """HTML of the run's condition, its time, the three numbers and the strip of robots.
 
     Args:
         snapshot: of the run, or of a moment of its past.
         links: of the ring, then.
+        beliefs: of its robots, then.
         shown: in place of the run's condition.
     """
     state = snapshot.state
@@ -51,8 +55,9 @@ def run_summary(snapshot: Snapshot, links: list[LinkView], shown: Condition | No
         state=state,
         world_alive=snapshot.world_alive,
         gap="" if state is None else " ".join(length(state.gap)),
-        tiles=[] if state is None else _tiles(state, links, snapshot.noise),
-        chips=[] if state is None else _chips(state, links),
+        off_path="" if state is None else " ".join(error(state.tracking_error, snapshot.noise)),
+        tiles=[] if state is None else _tiles(snapshot, state, links, beliefs),
+        strip=hops(snapshot, links),
     )
 
 
@@ -85,32 +90,17 @@ def lag(status: Status | None, state: State) -> float:
     return plan.lag if plan is not None and plan.episode == state.episode else 0.0
 
 
-def robot_label(state: State, robot: int) -> str:
-    """How a robot is, in a word."""
-    if robot in state.away and robot in state.live:
-        return "AWAY"
-    if robot not in state.live:
-        return "KILLED" if robot in state.dismissed else "LOST"
-    return "HELD" if robot in state.stopped else "OK"
-
-
-def _tiles(state: State, links: list[LinkView], noise: float) -> list[Tile]:
-    distance = float(abs(state.distance_errors).max())
-    age = oldest(links)
+def _tiles(snapshot: Snapshot, state: State, links: list[LinkView], beliefs: list[BeliefView]) -> list[Tile]:
+    """Is it together, is true what they believe, and how old is what they know?"""
+    noise, distance, off = (
+        snapshot.noise,
+        float(abs(state.distance_errors).max()),
+        max((one.error for one in beliefs), default=0.0),
+    )
+    way = oldest_way(snapshot)
+    label, age = ("PLAN AGE", oldest(links)) if way is None else ("WAY AGE", way)
     return [
-        Tile("DIST ERR", *error(distance, noise), distance / DISTANCE_LIMIT),
-        Tile("TRACK", *error(state.tracking_error, noise), state.tracking_error / TRACKING_LIMIT),
-        Tile("OLDEST PLAN", *duration(age), age / LOST_SECONDS),
+        Tile("FORMATION", *error(distance, noise), distance / DISTANCE_LIMIT),
+        Tile("BELIEF", *error(off, noise), off / DISTANCE_LIMIT),
+        Tile(label, *duration(age), age / LOST_SECONDS),
     ]
-
-
-def _chips(state: State, links: list[LinkView]) -> list[tuple[str, str, float]]:
-    """Of every robot: hue, text and health level; a healthy robot has the level of the link to it."""
-    n, levels = len(state.poses), {link.receiver: link.level for link in links}
-    chips = []
-    for robot in range(1, n + 1):
-        label = robot_label(state, robot)
-        healthy = label == "OK"
-        text = f"R{robot}" if healthy else f"R{robot} {label}"
-        chips.append((hue(robot, n), text, levels.get(robot, 0.0) if healthy else 1.0))
-    return chips

@@ -23,6 +23,8 @@ from network.messages import Plan, Status
 
 DASHES = 8
 """Segments of a link's shaft."""
+TICK = 5
+"""Steps of a preview between two ticks of its ribbon: half a second."""
 AWAY = -1e4
 """Where what is not shown is drawn [m]."""
 
@@ -42,6 +44,11 @@ class Sizes:
     def body(self) -> tuple[float, float]:
         """Length and width."""
         return 0.055 * self.unit, 0.036 * self.unit
+
+    @property
+    def ribbon(self) -> float:
+        """Width of a preview that is driven."""
+        return 0.028 * self.unit
 
     def z(self, layer: int) -> float:
         """Height of a layer above the ground."""
@@ -189,6 +196,17 @@ def preview(plan: Plan | None, steps: int, z: float) -> FloatArray:
         line[:] = plan.way[-1, 2:4]
         line[: len(plan.way)] = plan.way[: steps + 1, 2:4]
     return geometry.lifted(np.stack([line[:-1], line[1:]], axis=1), z)
+
+
+def ribbon(line: FloatArray, width: float, z: float) -> FloatArray:
+    """(2 steps + ticks, 2, 3): both borders of a ribbon along segments (steps, 2, 3), and a tick each TICK [m]."""
+    start, end = line[:, 0, :2], line[:, 1, :2]
+    along = end - start
+    aside = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    aside *= 0.5 * width / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+    borders = [np.stack([start + side * aside, end + side * aside], axis=1) for side in (-1.0, 1.0)]
+    ticks = np.stack([end - aside, end + aside], axis=1)[TICK - 1 :: TICK]
+    return geometry.lifted(np.concatenate([*borders, ticks]), z)
 
 
 def goal(place: tuple[float, float] | None, size: float, z: float) -> FloatArray:

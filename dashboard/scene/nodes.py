@@ -24,6 +24,13 @@ def lines(scene: viser.SceneApi, name: str, points: FloatArray, colour: FloatArr
     return scene.add_line_segments(name, points, colours.encode(colour), thickness=thickness, thickness_units="screen")
 
 
+def wide_line(scene: viser.SceneApi, name: str, steps: int, colour: FloatArray, width: float) -> Any:
+    """A line of `steps` segments of one sRGB colour (3,), as wide as something in the scene [m]."""
+    points = np.zeros((steps, 2, 3))
+    encoded = colours.encode(np.broadcast_to(colour, points.shape))
+    return scene.add_line_segments(name, points, encoded, thickness=width, thickness_units="world")
+
+
 def meshes(scene: viser.SceneApi, name: str, shape: Shape, count: int) -> Any:
     """`count` flat meshes of one shape."""
     return scene.add_batched_meshes_simple(
@@ -81,6 +88,10 @@ def scenario_nodes(scene: viser.SceneApi, scenario: Scenario, sizes: layers.Size
     }
     if scenario.path.known_to == "leader":
         made["/preview"] = segments("/preview", steps, colours.mix(hue[0], 0.6, palette), 6.0)
+        if scenario.driven:
+            made["/preview"] = wide_line(scene, "/preview", steps, colours.mix(hue[0], 0.35, palette), sizes.ribbon)
+            count = 2 * steps + steps // layers.TICK
+            made["/ribbon"] = segments("/ribbon", count, colours.mix(hue[0], 0.85, palette), 1.6)
         made["/goal"] = segments("/goal", 2, hue[0], 2.6)
         made["/told"] = meshes(scene, "/told", geometry.ring(0.008 * unit, 0.0028 * unit), n)
         made["/told"].batched_colors = colours.encode(np.tile(hue[0], (n, 1)))

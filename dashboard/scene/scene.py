@@ -183,8 +183,10 @@ class Scene:
         )
         self._nodes["/horizons"].points = geometry.segments(own, z(5))
         if "/preview" in self._nodes:
-            said = layers.own_plans(snapshot.statuses, n, state.episode)[0]
-            self._nodes["/preview"].points = layers.preview(said, steps, z(1))
+            said = layers.own_plans(snapshot.statuses, n, state.episode)[snapshot.leader - 1]
+            line = self._nodes["/preview"].points = layers.preview(said, steps, z(1))
+            if "/ribbon" in self._nodes:
+                self._nodes["/ribbon"].points = layers.ribbon(line, self._sizes.ribbon, z(2))
             self._nodes["/goal"].points = layers.goal(state.driving.goal, 0.03 * self._sizes.unit, z(8))
 
     def _believe(self, snapshot: Snapshot, beliefs: list[BeliefView], steps: int) -> None:

@@ -11,12 +11,13 @@ from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.origin import HERE
 from formation.arrays import FloatArray
 from network.messages import State, Status
-from network.values import Event
+from network.values import Event, Excursion
 
 ROWS = 3000
 ROW_SECONDS = 0.1
 """Simulated time between two rows, at least [s]: ROWS hold five minutes."""
 KEPT_EVENTS = 500
+KEPT_EXCURSIONS = 300
 LOST, DEAD, HELD, CUT = 1, 2, 4, 8
 """Bits of a robot's flags: the link from it is lost or cut; it has no agent; it is stopped by the watchdog."""
 _FLOATS = ("x", "y", "heading", "slot_x", "slot_y", "distance_error", "angle_error", "age", "solve")
@@ -43,6 +44,10 @@ class ExportData:
     events: tuple[Event, ...]
     origin: FloatArray
     """(2,) of all places here, in the scenario's coordinates [m]."""
+    excursions: tuple[Excursion, ...]
+    """Of the ledger, in their order; of those in the rows, the newest."""
+    excursion_limit: float
+    """[m]."""
 
 
 class ExportBuffer:
@@ -58,6 +63,9 @@ class ExportBuffer:
         self._floats = np.zeros((ROWS, 0, len(_FLOATS)), dtype=np.float32)
         self._flags: Flags = np.zeros((ROWS, 0), dtype=np.uint8)
         self._events: deque[Event] = deque(maxlen=KEPT_EVENTS)
+        self._excursions: dict[int, Excursion] = {}
+        """By number; one that goes on is replaced."""
+        self._limit = 0.0
         self._newest = 0
 
     def add(
@@ -72,6 +80,10 @@ class ExportBuffer:
                 self._newest = 0
             self._events.extend(event for event in state.events if event.number > self._newest)
             self._newest = top
+            self._limit = state.excursion_limit
+            self._excursions.update((one.number, one) for one in state.excursions)
+            while len(self._excursions) > KEPT_EXCURSIONS:
+                del self._excursions[min(self._excursions)]
             newest_row = self._times[(self._count - 1) % ROWS, 0] if self._count else -1.0
             if state.stamp == newest_row:  # paused: the newest state replaces the last row
                 self._count -= 1
@@ -84,9 +96,12 @@ class ExportBuffer:
             table = self._floats[row]
             table[:, 0:3], table[:, 3:5] = state.poses, state.slots[:, :2]
             table[:, 5], table[:, 6] = state.distance_errors, state.angle_errors
-            table[:, 7] = [-1.0 if link.age is None else link.age for link in links]
+            senders = [link.sender - 1 for link in links]  # robots that are away have no link
+            table[:, 7] = -1.0
+            table[senders, 7] = [-1.0 if link.age is None else link.age for link in links]
             table[:, 8] = [statuses[i].solve if i in statuses else 0.0 for i in range(1, len(state.poses) + 1)]
-            self._flags[row] = [_flags(state, link) for link in links]
+            self._flags[row] = [_flags(state, robot) for robot in range(1, len(state.poses) + 1)]
+            self._flags[row, senders] += np.array([LOST * link.lost + CUT * link.cut for link in links], dtype=np.uint8)
 
     def _begin(self, state: State) -> None:
         self._key = state.episode, len(state.poses)
@@ -94,6 +109,7 @@ class ExportBuffer:
         self._floats = np.zeros((ROWS, len(state.poses), len(_FLOATS)), dtype=np.float32)
         self._flags = np.zeros((ROWS, len(state.poses)), dtype=np.uint8)
         self._events.clear()
+        self._excursions.clear()
 
     def data(self) -> ExportData | None:
         """A copy of the rows; None while there are none."""
@@ -113,10 +129,13 @@ class ExportBuffer:
                 flags=self._flags[rows],
                 events=tuple(event for event in self._events if event.stamp >= times[0, 0]),
                 origin=self._origin,
+                excursions=tuple(
+                    one for _, one in sorted(self._excursions.items()) if one.until is None or one.until >= times[0, 0]
+                ),
+                excursion_limit=self._limit,
             )
 
 
-def _flags(state: State, link: LinkView) -> int:
-    """Flags of the robot that sends over this link."""
-    robot = link.sender
-    return LOST * link.lost + CUT * link.cut + DEAD * (robot not in state.live) + HELD * (robot in state.stopped)
+def _flags(state: State, robot: int) -> int:
+    """Flags of a robot, without those of the link that it sends over."""
+    return DEAD * (robot not in state.live) + HELD * (robot in state.stopped)

@@ -178,6 +178,12 @@ class Feed:
         ends = min(max(view.place.stamp + AFTER, episode.begins + WINDOW), episode.ends)
         return self.tape.series(view.place.episode, ends - WINDOW, ends)
 
+    def spans(self, view: View) -> list[tuple[float, float]]:
+        """When faults and pushes acted in the episode that is looked at [s]."""
+        episodes = self.tape.episodes
+        episode = self.tape.episode(view.place.episode) if view.place else episodes[-1] if episodes else None
+        return episode.marks.spans(episode.ends) if episode else []
+
     def compared(self, view: View) -> tuple[dict[str, FloatArray], float]:
         """Columns in which a run is compared with its ghost, and over how long [s]: a record as a whole."""
         if self.source.live or view.place is None:

@@ -48,6 +48,8 @@ class Marks:
         self._open: dict[str, Mark] = {}
         self._faults: dict[LinkId, Fault] = {}
         self._live: set[int] | None = None
+        self._pushes: dict[tuple[int, str], Mark] = {}
+        """Of the pushes that act now, by robot and what they do: the mark that was made of their event."""
 
     def take_event(self, event: Event) -> None:
         """An event that no state shows becomes a mark without a span."""
@@ -66,6 +68,7 @@ class Marks:
                         kind: Kind = "cut" if now.cut else "fault"
                         self._begin(f"link {link}", kind, state.stamp, str(link).replace("->", "→"), _word(now))
             self._faults = dict(state.faults)
+        self._take_pushes(state)
         live = set(state.live)
         if self._live is not None and live != self._live:
             for robot in self._live - live:
@@ -73,6 +76,27 @@ class Marks:
             for robot in live - self._live:
                 self._close(f"robot {robot}", state.stamp)
         self._live = live
+
+    def _take_pushes(self, state: State) -> None:
+        """Give the marks of pushes that are over their ends."""
+        acting = {(one.robot, one.text) for one in state.pushes}
+        for key in acting - self._pushes.keys():
+            marks = [
+                one for one in reversed(self.all) if one.kind == "push" and one.what.startswith(f"robot {key[0]}:")
+            ]
+            if marks and marks[0].ends is None:
+                self._pushes[key] = marks[0]
+        for key in self._pushes.keys() - acting:
+            self._pushes.pop(key).ends = state.stamp
+
+    def spans(self, now: float) -> list[tuple[float, float]]:
+        """When faults and pushes acted: begin and end, `now` of those that still do [s]."""
+        acting = {id(mark) for mark in (*self._open.values(), *self._pushes.values())}
+        return [
+            (one.stamp, now if one.ends is None else one.ends)
+            for one in self.all
+            if one.ends is not None or id(one) in acting
+        ]
 
     def _begin(self, key: str, kind: Kind, stamp: float, name: str, what: str) -> None:
         last = self.all[-1] if self.all else None

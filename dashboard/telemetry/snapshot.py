@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.pattern import leader
 from formation.scenario.scenario import Scenario
 from network.messages import Ghost, State, Status
 
@@ -31,6 +32,13 @@ class Snapshot:
     """Whether the router can be reached."""
     origin: FloatArray = field(default_factory=lambda: np.zeros(2))
     """(2,) of all places here, in the scenario's coordinates [m]."""
+
+    @property
+    def leader(self) -> int:
+        """The robot that knows the path, where one alone does."""
+        if self.state is None or self.scenario is None:
+            return 1
+        return leader(self.state.away, follows=self.scenario.path.leader == "next")
 
     @property
     def noise(self) -> float:

@@ -1,5 +1,8 @@
 """A figure of one episode: the ways of the robots, and the pattern errors over time."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -13,7 +16,14 @@ SMALLEST = 1e-4
 """Errors below this are drawn as this [mm]."""
 
 
-def draw(scenario: Scenario, times: FloatArray, poses: FloatArray, distance: FloatArray, angle: FloatArray) -> Figure:
+def draw(
+    scenario: Scenario,
+    times: FloatArray,
+    poses: FloatArray,
+    distance: FloatArray,
+    angle: FloatArray,
+    excursions: Sequence[Mapping[str, Any]] = (),
+) -> Figure:
     """The figure.
 
     Args:
@@ -22,6 +32,7 @@ def draw(scenario: Scenario, times: FloatArray, poses: FloatArray, distance: Flo
         poses: (T + 1, n, 3) [m, m, rad].
         distance: (T + 1, n) l_e [m].
         angle: (T + 1, n) psi_e [rad].
+        excursions: of the summary; each is shaded in the plot of the distance error, in its robot's colour.
     """
     rows = slice(None, None, max(1, len(times) // DRAWN))
     with style.styled():
@@ -35,6 +46,10 @@ def draw(scenario: Scenario, times: FloatArray, poses: FloatArray, distance: Flo
             ways.plot(*poses[-1, i, :2], color=colour, marker="o", markersize=4)
             errors.plot(times[rows], np.maximum(np.abs(distance[rows, i]) * 1e3, SMALLEST), color=colour)
             angles.plot(times[rows], np.maximum(np.abs(angle[rows, i]), SMALLEST * 1e-3), color=colour)
+        for one in excursions:
+            ends = times[-1] if one["until"] is None else one["until"]
+            colour = style.PALETTE[(int(one["robot"]) - 1) % len(style.PALETTE)]
+            errors.axvspan(one["t"], ends, color=colour, alpha=0.2)
         ways.set(title="Ways", xlabel="x [m]", ylabel="y [m]", aspect="equal")
         errors.set(title="Distance error", xlabel="t [s]", ylabel="|l_e| [mm]", yscale="log")
         angles.set(title="Angle error", xlabel="t [s]", ylabel="|psi_e| [rad]", yscale="log")

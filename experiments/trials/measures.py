@@ -13,7 +13,7 @@ from formation.link_ids import LinkId
 from formation.metrics import clearance, quantile, rms
 from formation.scenario.scenario import Scenario
 from formation.schema import Duration, Model, Positive
-from network.values import LinkCounts
+from network.values import Excursion, LinkCounts
 from world.measures.contacts import Contacts
 from world.measures.trace import Trace
 
@@ -75,6 +75,8 @@ class Record:
     """Of the whole trial [s]."""
     plan_bytes: int = 0
     """Length of all plans that were sent in the whole trial [B]; 0 unless a measure asks for it."""
+    excursions: tuple[Excursion, ...] = ()
+    """The ledger of the whole trial."""
 
 
 def record(
@@ -85,6 +87,7 @@ def record(
     event: Event | None,
     *,
     plan_bytes: int = 0,
+    excursions: tuple[Excursion, ...] = (),
 ) -> Record:
     """The part of a trial that is measured.
 
@@ -95,6 +98,7 @@ def record(
         warmup: measures start at this simulated time [s].
         event: what upsets the formation, if anything does.
         plan_bytes: length of all plans [B].
+        excursions: the ledger.
     """
     first = min(len(trace.times) - 2, round(warmup / scenario.control_interval))
     distance, angle, tracking = trace.errors()
@@ -116,6 +120,7 @@ def record(
         inputs=trace.inputs[first:],
         duration=float(trace.times[-1]),
         plan_bytes=plan_bytes,
+        excursions=excursions,
     )
 
 
@@ -146,6 +151,18 @@ def _event_max(trial: Record) -> float:
     """The largest |l_e| from the event's beginning on [m]."""
     assert trial.event is not None
     return float(np.nanmax(np.abs(trial.distance[trial.times >= trial.event.at - 1e-9])))
+
+
+def _peak(trial: Record) -> float:
+    """Of all excursions [m]; 0 without one."""
+    return max((one.peak for one in trial.excursions), default=0.0)
+
+
+def _slowest(trial: Record) -> float | None:
+    """The longest time that an excursion took to recover [s]; None if one goes on, 0 without one."""
+    if any(one.recovery is None for one in trial.excursions):
+        return None
+    return max((one.recovery or 0.0 for one in trial.excursions), default=0.0)
 
 
 def _contacts(trial: Record) -> Contacts:
@@ -206,6 +223,9 @@ MEASURES: dict[str, Measure] = {
     "clearance_m": Measure(lambda t: clearance(t.poses), "m", "least distance of two centres"),
     "gap_m": Measure(lambda t: _contacts(t).gap, "m", "least gap of two robots"),
     "contacts": Measure(lambda t: float(_contacts(t).count), "pairs", "pairs that came to touch"),
+    "excursions": Measure(lambda t: float(len(t.excursions)), "times", "excursions of a robot's error"),
+    "excursion_peak_m": Measure(_peak, "m", "largest excursion"),
+    "excursion_recovery_s": Measure(_slowest, "s", "longest recovery from an excursion"),
     "recovery_s": Measure(_recovery, "s", "time to recover", of_event=True),
     "event_max_m": Measure(_event_max, "m", "largest $|l_e|$ since the event", of_event=True),
     "age_median_s": Measure(lambda t: quantile(t.ages, 0.5), "s", "median age of the plans used"),

@@ -10,6 +10,7 @@ from experiments.trials.trial import GAP_EVERY, SERIES_INTERVAL, Trial
 from network.codec import encode
 from runtime.inprocess import Simulation
 from runtime.precompile import ensure_compiled
+from world.measures.ledger import KEPT
 
 
 def simulate(trial: Trial) -> TrialResult:
@@ -27,7 +28,9 @@ def simulate(trial: Trial) -> TrialResult:
             stamp = k * scenario.control_interval
             gaps.append([agent.status(k, stamp).gap for _, agent in sorted(simulation.agents.items())])
     trace = simulation.trace
-    seen = record(scenario, trace, simulation.world.counts, wanted.warmup, wanted.event, plan_bytes=plan_bytes)
+    world = simulation.world
+    ledger = tuple(world.ledger.newest(KEPT))
+    seen = record(scenario, trace, world.counts, wanted.warmup, wanted.event, plan_bytes=plan_bytes, excursions=ledger)
     stride = max(1, round(SERIES_INTERVAL / scenario.control_interval))
     sampled = np.array(gaps, dtype=float).reshape(-1, scenario.size)
     return TrialResult(

@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _tell(line: str) -> None:
-    print(f"agents: {line}", file=sys.stderr, flush=True)
+    print(f"agents: {line}\n", end="", file=sys.stderr, flush=True)  # at once: containers' logs split at writes
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from formation.arrays import FloatArray
 from formation.errors import EchelonError
 from formation.faults import Fault
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, tracking_error, wrapped
+from formation.metrics import pattern_errors, tracking_error, tracking_error_of_some, wrapped
 from formation.pattern import upstream
 from formation.scenario.files import parse
 from formation.scenario.registry import register_unloaded
@@ -65,6 +65,7 @@ class _Known:
     events: list[Event] = field(default_factory=list)
     faults: dict[LinkId, Fault] = field(default_factory=dict)
     live: list[int] = field(default_factory=list)
+    away: list[int] = field(default_factory=list)
     plans: dict[int, Plan] = field(default_factory=dict)
     believes: dict[int, Believed] = field(default_factory=dict)
     statuses: dict[int, tuple[float, Status]] = field(default_factory=dict)
@@ -147,6 +148,8 @@ def _order(known: _Known, kind: str, value: dict[str, Any]) -> None:
         known.faults = {LinkId.parse(name): Fault.model_validate(keys) for name, keys in value.items()}
     elif kind == "agents":
         known.live = [int(robot) for robot in value["answered"]]
+    elif kind == "ring":
+        known.away = [int(robot) for robot in value["away"]]
 
 
 def _path(data: bytes, begins: int) -> tuple[float, FloatArray] | None:
@@ -199,7 +202,7 @@ def _link(known: _Known, robot: int, fields: Fields, stamp: float) -> None:
         seq=0,
         stamp=max(stamp, 0.0),
         episode=known.number,
-        link=LinkId(upstream(robot, n), robot),
+        link=LinkId(upstream(robot, n, known.away), robot),
         age=age,
         plan=known.plans.get(robot),
         held=None,
@@ -250,7 +253,9 @@ def _row(known: _Known, message: Message, frames: _Frames) -> Row:
     found = frames.read(message.data)
     poses = np.array([found[f"robot{i}"] for i in range(1, n + 1)])
     slots = np.array([found[f"slot{i}"] for i in range(1, n + 1)])
-    distance, angle = pattern_errors(poses, slots)
+    away = known.away
+    distance, angle = pattern_errors(poses, slots, away)
+    tracking = tracking_error_of_some(poses, slots, away) if away else tracking_error(poses, found["centre"][:2])
     state = State(
         sender=0,
         seq=0,
@@ -272,7 +277,7 @@ def _row(known: _Known, message: Message, frames: _Frames) -> Row:
         centre=found["centre"],
         distance_errors=distance,
         angle_errors=angle,
-        tracking_error=float(tracking_error(poses, found["centre"][:2])),
+        tracking_error=float(tracking),
         contacts=0,
         gap=known.gap,
         live=list(known.live),
@@ -280,6 +285,7 @@ def _row(known: _Known, message: Message, frames: _Frames) -> Row:
         faults=dict(known.faults),
         events=list(known.events),
         compare="",
+        away=away,
     )
     return Row(state, known.scenario, _statuses(known, stamp))
 

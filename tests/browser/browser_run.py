@@ -11,12 +11,9 @@ from pathlib import Path
 from typing import IO, Self
 
 from formation.scenario.overrides import from_settings, to_json
-from network import topics
-from network.bus import Sample
-from network.codec import decode
 from network.control import Operation
 from network.messages import Ghost, State
-from network.zenoh_bus import ZenohBus
+from tests.browser.watch import Watch
 
 ROOT = Path(__file__).parents[2]
 RUN = "browser"
@@ -45,6 +42,7 @@ class BrowserRun:
         """
         self._folder = tempfile.TemporaryDirectory(prefix="echelon-")
         self.endpoint = f"unixsock-stream/{self._folder.name}/router"
+        self._watch = Watch(self.endpoint, RUN)
         self._processes: dict[str, subprocess.Popen[str]] = {}
         try:
             self.start("router", "network", "--listen", self.endpoint)
@@ -102,30 +100,17 @@ class BrowserRun:
         assert found, f"expected the dashboard's address; got {line!r}"
         return found[1]
 
-    def state(self, seconds: float = 5.0) -> State:
-        """The newest state."""
-        with ZenohBus(self.endpoint, RUN) as session:
-            session.subscribe(topics.state(RUN))
-            while True:
-                item = session.inbox.get(timeout=seconds)
-                if isinstance(item, Sample):
-                    return decode(State, item.payload)
+    def state(self, seconds: float = 10.0) -> State:
+        """The next state."""
+        return self._watch.state(seconds)
 
-    def ghost(self, seconds: float = 10.0) -> Ghost:
+    def ghost(self) -> Ghost:
         """The next message of the ghost."""
-        with ZenohBus(self.endpoint, RUN) as session:
-            session.subscribe(topics.ghost(RUN))
-            for item in session.incoming(seconds):
-                if isinstance(item, Sample):
-                    return decode(Ghost, item.payload)
-        raise AssertionError("the ghost publishes nothing")
+        return self._watch.ghost()
 
     def ask(self, operation: Operation) -> None:
         """Request an operation of the world, as another page would."""
-        with ZenohBus(self.endpoint, RUN) as session:
-            reply = session.ask(operation, timeout=10.0)
-            assert reply is not None
-            assert reply.ok, reply.reason
+        self._watch.ask(operation)
 
     def pid(self, name: str) -> int:
         """Process id."""
@@ -148,6 +133,7 @@ class BrowserRun:
 
     def close(self) -> None:
         """End everything; the router last, so that the others can close their sessions."""
+        self._watch.close()
         for name in reversed(list(self._processes)):
             self.end(name)
         self._folder.cleanup()

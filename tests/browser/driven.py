@@ -97,7 +97,7 @@ class Driven:
 
     def click_cell(self, name: str) -> None:
         """Click a cell of a table, such as "link 2" or "kill 1"."""
-        cell = self.page.locator(f'[data-click][aria-label="{name}"]')
+        cell = self.page.locator(f'[data-click][data-cell="{name}"]')
         cell.wait_for(state="attached", timeout=20_000)
         cell.dispatch_event("pointerdown")
         self.page.wait_for_timeout(THROTTLE_MS)

@@ -13,14 +13,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from network import topics
-from network.bus import Sample
-from network.codec import decode
 from network.messages import State
-from network.zenoh_bus import ZenohBus
 from runtime.precompile import ensure_compiled
 from tests.browser.browser_run import ROOT
 from tests.browser.driven import Driven
+from tests.browser.watch import Watch
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -43,7 +40,7 @@ class Launched:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
         )
-        self.endpoint = f"unixsock-stream/{folder}/{RUN}/router.sock"
+        self._watch = Watch(f"unixsock-stream/{folder}/{RUN}/router.sock", RUN)
 
     @functools.cached_property
     def url(self) -> str:
@@ -55,16 +52,12 @@ class Launched:
         return found[1]
 
     def state(self) -> State:
-        """The newest state."""
-        with ZenohBus(self.endpoint, RUN) as session:
-            session.subscribe(topics.state(RUN))
-            while True:
-                item = session.inbox.get(timeout=10.0)
-                if isinstance(item, Sample):
-                    return decode(State, item.payload)
+        """The next state."""
+        return self._watch.state()
 
     def end(self) -> None:
         """As with Ctrl-C."""
+        self._watch.close()
         self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(20)
@@ -135,7 +128,7 @@ def test_an_agent_is_killed_after_a_question_stays_down_and_comes_back(page: Dri
     page.click_cell("kill 2")
     page.wait_text(r"Kill agent 2\?")
     page.press("Kill 2")
-    page.wait_text("R2 KILLED")
+    page.wait_text(r"R2\s+KILLED")
     page.until(lambda: 2 not in launched.state().live, "agent 2 gone")
     down = launched.state()
     assert down.dismissed == [2]

@@ -6,7 +6,7 @@ import re
 from importlib.resources import files
 from typing import get_args
 
-from dashboard.keys import COMMANDS, DRIVING, HANDLE, HELP
+from dashboard.keys import CELLS, COMMANDS, DRIVING, HANDLE, HELP
 from dashboard.overlay.help import help_html
 from dashboard.overlay.overlay import SCRIPTS, _tables
 from dashboard.page import Page
@@ -27,7 +27,7 @@ def test_every_key_that_the_page_binds_is_in_the_help_and_no_other(page: Page) -
     shown = {(key, html.unescape(what)) for keys, what in rows for key in re.findall(r"<kbd>(.*?)</kbd>", keys)}
     for name, key in bound.items():
         assert any(found == key and what.startswith(name) for found, what in shown)
-    for one in (*DRIVING.values(), *HANDLE.values()):
+    for one in (*DRIVING.values(), *HANDLE.values(), *CELLS.values()):
         assert (one.shown, one.meaning) in shown  # type: ignore[attr-defined]
     assert HELP in {key for key, _ in shown}
 
@@ -35,8 +35,9 @@ def test_every_key_that_the_page_binds_is_in_the_help_and_no_other(page: Page) -
 def test_the_scripts_have_no_keys_and_signs_of_their_own() -> None:
     tables = json.loads(json.dumps(_tables()))
     assert tables["handle"].keys() == HANDLE.keys()
+    assert tables["cells"].keys() == CELLS.keys()
     assert set(get_args(Kind)) < set(tables["signs"]) == set(SIGNS)
-    for name in (*(f"overlay/{script}.js" for script in SCRIPTS), "panels/wheel.js"):
+    for name in (*(f"overlay/{script}.js" for script in SCRIPTS), "steering/wheel.js"):
         text = files("dashboard").joinpath(name).read_text(encoding="utf-8")
         assert not re.findall(r"\b(?:Key[A-Z]|Arrow[LRUD]\w+|Page(?:Up|Down))\b", text), name
         assert not set(re.findall(r"[▲✕○]|\([A-Z]\)", text)), name

@@ -14,6 +14,7 @@ from network.interventions import Join, Leave, Reshape
 from records.record import load as read
 from runtime.ghost.shadow import Shadow
 from runtime.inprocess import Simulation
+from runtime.replay.rows import rows
 from runtime.verification import verify
 from tests.memory_run import MemoryRun
 from tests.records.recorded import record
@@ -208,6 +209,9 @@ def test_a_record_of_it_is_verified_and_a_ghost_repeats_what_users_ask(tmp_path:
     record(tmp_path / "run.mcap", scenario("duration=5", "link.loss=0.2"))
     (verdict,) = verify(read(tmp_path / "run.mcap"))
     assert (verdict.difference, verdict.ticks) == ("", 501)
+    shown = [row for row in rows(tmp_path / "run.mcap") if row.state.stamp > AWAY[0] + 0.7]
+    assert {(tuple(row.state.away), float(row.state.distance_errors[1])) for row in shown} == {((2,), 0.0)}
+    assert str(shown[-1].statuses[3].link) == "1->3"
     live = Simulation(load("ring-16", ["formation.robots=5", "duration=4"]))
     for k in range(300):
         if k == 100:

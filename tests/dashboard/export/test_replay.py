@@ -1,6 +1,7 @@
 """Laws of the replay: nothing is lost, no text becomes code, and it needs no network."""
 
 import base64
+import dataclasses
 import json
 import re
 
@@ -11,7 +12,7 @@ from dashboard.scene.path_line import path_points
 from dashboard.telemetry.export_buffer import ExportData
 from dashboard.theme.palette import DARK
 from formation.scenario.files import load
-from network.values import Event
+from network.values import Event, Excursion
 from tests.builders import state
 from tests.dashboard.fakes import kept
 
@@ -38,6 +39,15 @@ def test_a_replay_holds_every_pose() -> None:
     x = np.frombuffer(base64.b64decode(values["x"]), "<f4").reshape(-1, 3)
     np.testing.assert_array_equal(x, [poses[:, 0], poses[:, 0] + 1.0])
     assert fields["start"] == 1.0
+
+
+def test_a_replay_holds_the_ledger_with_the_last_that_is_known_of_each_excursion() -> None:
+    begun = Excursion(1, 2, at=1.0, peak=0.03, peak_at=1.0, cause="1->2: cut", cause_at=0.4)
+    over = dataclasses.replace(begun, peak=0.05, until=1.8, recovery=0.3)
+    states = [state(stamp=t, excursions=(one,), excursion_limit=0.01) for t, one in ((1.0, begun), (2.0, over))]
+    fields = read(replay_of(kept(*states)))
+    assert fields["excursions"] == [[1.0, 2, 0.05, 1.8, 0.3, "1->2: cut", 0.4]]
+    assert fields["excursionLimit"] == 0.01
 
 
 def test_no_text_breaks_out_of_a_replay() -> None:

@@ -30,6 +30,7 @@ async def _end() -> None:
     for task in others:
         task.cancel()
     await asyncio.gather(*others, return_exceptions=True)
+    await asyncio.sleep(0.05)  # what they closed is gone before the loop is
 
 
 async def _forward(port: int, prefix: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -41,7 +42,10 @@ async def _forward(port: int, prefix: bytes, reader: asyncio.StreamReader, write
         else:
             behind_reader, behind = await asyncio.open_connection("127.0.0.1", port)
             behind.write(b" ".join((method, path.removeprefix(prefix), version)) + b"\r\n" + rest)
-            await asyncio.gather(_pump(reader, behind), _pump(behind_reader, writer))
+            try:
+                await asyncio.gather(_pump(reader, behind), _pump(behind_reader, writer))
+            finally:
+                behind.close()
     writer.close()
 
 

@@ -14,7 +14,7 @@ from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.scenario.files import load
 from network.messages import State, Status
-from network.values import Believed, Event, LinkCounts
+from network.values import Believed, Event, LinkCounts, Pushed
 from tests.builders import plan, state, status
 
 SCENARIO = load("triangle-circle")
@@ -167,3 +167,20 @@ def test_whatever_a_page_tells_is_harmless(words: list[str]) -> None:
     head.tell(words)
     assert head.place(1.0) in (None, Place(1, 0.0))
     assert head.speed == 1.0
+
+
+def test_faults_and_pushes_have_spans_and_those_that_act_go_on_to_the_end() -> None:
+    feed = Tape()
+    stuck = (Pushed(2, "stuck", 3.0),)
+    begun = (Event(1, 1.0, "push", "robot 2: stuck for 2 s"),)
+    cut = {LinkId(1, 2): Fault(cut=True)}
+    for stamp, changes in (
+        (0.0, {}),
+        (1.0, {"events": begun, "pushes": stuck}),
+        (2.0, {"events": begun, "pushes": stuck, "faults": cut}),
+        (3.0, {"events": begun, "faults": cut}),
+        (4.0, {"events": begun, "faults": cut}),
+    ):
+        feed.add(at(stamp, **changes), SCENARIO, {}, [], None, HERE)
+    (episode,) = feed.episodes
+    assert sorted(episode.marks.spans(episode.ends)) == [(1.0, 3.0), (2.0, 4.0)]

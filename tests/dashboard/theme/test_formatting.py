@@ -25,6 +25,6 @@ def test_tiles_and_robot_table_know_the_noise_of_the_bodies(page: Page, sigma: f
     scenario = load("triangle-circle", {"bodies": {"localisation": {"position": sigma}}})
     known = dataclasses.replace(snapshot, scenario=scenario)
     assert known.noise == sigma
-    for html in (run_summary(known, links), robot_table(known, links, page._clickable)):
+    for html in (run_summary(known, links, []), robot_table(known, links, page._clickable)):
         assert ("&lt; noise" in html) == hidden
     assert dataclasses.replace(snapshot, scenario=None).noise == 0.0

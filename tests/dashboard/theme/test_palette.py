@@ -53,7 +53,7 @@ def test_some_robots_hues_are_not_so_the_number_stands_beside_every_dot(page: Pa
     assert min(np.linalg.norm(a - b) for i, a in enumerate(hues) for b in hues[:i]) < APART
     snapshot, links, *_ = page._feed.now()
     for html in (
-        run_summary(snapshot, links),
+        run_summary(snapshot, links, []),
         robot_table(snapshot, links, page._clickable),
         link_matrix(snapshot, links, page._clickable, ()),
     ):

@@ -2,6 +2,7 @@
 
 # mypy: disable-error-code="no-any-return"
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from experiments.trials.measures import MEASURES, Event, Record, measured
 from formation.arrays import FloatArray
-from network.values import LinkCounts
+from network.values import Excursion, LinkCounts
 
 DT = 0.1
 
@@ -93,10 +94,29 @@ def test_the_share_of_lost_plans_is_over_all_links() -> None:
     assert measured(("lost_share",), lossy) == {"lost_share": 0.4}
 
 
-ENDINGS = {"1": "_share", "pairs": "contacts", "m/s": "_mps", "1/s": "_per_s", "B/s": "bytes_per_s"}
+ENDINGS = {
+    "1": "_share",
+    "pairs": "contacts",
+    "times": "excursions",
+    "m/s": "_mps",
+    "1/s": "_per_s",
+    "B/s": "bytes_per_s",
+}
 """Of a measure's name, by unit; other units stand there as they are."""
 
 
 def test_every_measure_has_its_unit_at_the_end_of_its_name() -> None:
     for name, measure in MEASURES.items():
         assert name.endswith(ENDINGS.get(measure.unit, f"_{measure.unit}"))
+
+
+def test_excursions_are_counted_and_one_that_goes_on_has_not_recovered() -> None:
+    over = Excursion(1, 2, at=1.0, peak=0.03, peak_at=1.2, until=2.0, recovery=0.8)
+    names = ("excursions", "excursion_peak_m", "excursion_recovery_s")
+    for rows, values in (
+        ((), (0.0, 0.0, 0.0)),
+        ((over, dataclasses.replace(over, number=2, peak=0.05, recovery=0.1)), (2.0, 0.05, 0.8)),
+        ((over, dataclasses.replace(over, number=2, until=None, recovery=None)), (2.0, 0.03, None)),
+    ):
+        trial = dataclasses.replace(made_up(np.zeros(5)), excursions=rows)
+        assert tuple(measured(names, trial).values()) == values

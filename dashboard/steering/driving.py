@@ -10,11 +10,10 @@ from typing import Any
 import viser
 
 from dashboard.panels.mirrored_controls import set_if_changed
-from dashboard.panels.wheel import Wheel
 from dashboard.requests import RequestQueue
+from dashboard.steering.wheel import Wheel
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.templates import render
-from formation.link_ids import DRIVING
 from formation.scenario.scenario import Scenario
 from network.control import Drive, GoTo
 
@@ -48,9 +47,6 @@ class DrivePanel:
                 "Click on the ground: go there", False, hint="On the page that has the wheel; the centre stops there"
             )
         self._wheel: Wheel | None = None
-        self._on_ground = self._clicked
-        self._listens = False
-        """Whether clicks anywhere in the scene are asked for: not while nobody can drive by them."""
         self._take.on_click(lambda event: self._toggle(event.client))
         self._buttons.on_click(lambda event: self._press(event.target.value, event.client_id))
         server.on_client_disconnect(self._gone)
@@ -97,21 +93,14 @@ class DrivePanel:
             if order is not None:
                 self._requests.steer(order, page)
 
-    def _clicked(self, event: viser.SceneClickEvent) -> None:
-        wheel, (ox, oy, oz), (dx, dy, dz) = self._wheel, event.ray_origin, event.ray_direction
-        if wheel is None or wheel.page != event.client_id or not self._click.value or dz == 0.0:
-            return
-        x, y = ox - dx * oz / dz, oy - dy * oz / dz
-        if math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) < FARTHEST:
-            east, north = self._origin
-            self._requests.steer(GoTo(x=x + east, y=y + north), event.client_id)
+    def wants(self, page: int) -> bool:
+        """Whether clicks on the ground of this page are orders."""
+        return self._wheel is not None and self._wheel.page == page and bool(self._click.value)
 
-    def _listen(self, *, on: bool) -> None:
-        if on and not self._listens:
-            self._server.scene.on_click()(self._on_ground)
-        elif self._listens and not on:
-            self._server.scene.remove_click_callback(self._on_ground)
-        self._listens = on
+    def go(self, page: int, x: float, y: float) -> None:
+        """A page clicked here: the formation goes there [m]."""
+        east, north = self._origin
+        self._requests.steer(GoTo(x=x + east, y=y + north), page)
 
     def _taken_by_other(self, page: int) -> bool:
         return self._wheel is not None and self._wheel.page != page
@@ -126,27 +115,14 @@ class DrivePanel:
         set_if_changed(self._folder, "visible", driven is not None)
         if driven is None or state is None:
             self._release()
-        self._listen(on=self._wheel is not None and bool(self._click.value))
         if driven is None or state is None:
             return
         page = self._wheel.page if self._wheel else None
         set_if_changed(self._take, "label", "Take the wheel" if page is None else f"Page {page} has the wheel")
         east, north = self._origin = (float(snapshot.origin[0]), float(snapshot.origin[1]))
         goal = None if state.driving.goal is None else (state.driving.goal[0] + east, state.driving.goal[1] + north)
-        ages = _ages(snapshot)
-        shown = render("panels/driving.html", driving=state.driving, goal=goal, law=driven.law, page=page, ages=ages)
+        shown = render("steering/driving.html", driving=state.driving, goal=goal, law=driven.law, page=page)
         set_if_changed(self._shown, "content", shown)
-
-
-FARTHEST = 1e6
-"""A click farther away is none on the ground [m]."""
-
-
-def _ages(snapshot: Snapshot) -> dict[int, float]:
-    """By robot, how long ago the driver said what it knows [s]: robot 1's age, and since robot 1 told it."""
-    told = {robot: status.way_age for robot, status in sorted(snapshot.statuses.items())}
-    first = told.get(DRIVING.receiver, 0.0)
-    return {robot: age + (first if robot != DRIVING.receiver else 0.0) for robot, age in told.items()}
 
 
 def _share(percent: object) -> float:

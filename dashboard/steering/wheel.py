@@ -33,7 +33,7 @@ class Wheel:
         self._on_held = on_held
         self._text: Any = client.gui.add_text("Held keys", "")
         label = f"label[for='{self._text._impl.uuid}']"
-        script = files("dashboard").joinpath("panels/wheel.js").read_text(encoding="utf-8").replace("LABEL", label)
+        script = files("dashboard").joinpath("steering/wheel.js").read_text(encoding="utf-8").replace("LABEL", label)
         script = script.replace('"WAYS"', json.dumps({code: key.signs for code, key in DRIVING.items()}))
         self._html = client.gui.add_html(
             f"<style>:has(> * > * > * > {label}){{display:none}}</style>"

@@ -48,8 +48,7 @@ UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
 PANEL_INTERVAL = 0.2
 PLOT_INTERVAL = 0.25
 """Between two updates of the panels and of the plots [s]."""
-PANEL_SHARE = 0.2
-"""Of the time, that panels may take: with very many robots they are drawn less often."""
+PANEL_SHARE = 0.2  # of the time, that panels may take: of very many robots they are drawn less often
 WIDE = 1400
 """Pages that are narrower than this get narrower panels [px]."""
 PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
@@ -94,8 +93,7 @@ class Page:
         self._scene = Scene(server, on_robot=self._robot_clicked, on_link=self._link_clicked, on_drag=self._dragged)
         self._errors = ThrottledLog()
         self._panels_drawn_at = self._plots_drawn_at = self._panel_pause = 0.0
-        self._panels_key: tuple[object, ...] = ()
-        """Of the panels as last drawn: they are drawn at once when it changes."""
+        self._panels_key: tuple[object, ...] = ()  # of the panels as last drawn: at once when it changes
         self._palette = DARK
         self._turn = 0
         apply_theme(server.gui, self._palette)

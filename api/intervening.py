@@ -35,6 +35,14 @@ class Intervening(ABC):
         """End what disturbs a robot, or all of them. Raises EchelonError."""
         self._intervene(operation(Request("release", {"robot": robot})))
 
+    def leave(self, robot: int) -> None:
+        """Take a robot out of the ring, which closes over it; it stands until `join`. Raises EchelonError."""
+        self._intervene(operation(Request("leave", {"robot": robot})))
+
+    def join(self, robot: int) -> None:
+        """Take a robot that `leave` took out into the ring again. Raises EchelonError."""
+        self._intervene(operation(Request("join", {"robot": robot})))
+
     def reshape(self, shape: str | None = None, *, spacing: float | None = None, over: float | None = None) -> None:
         """Change the shape, the spacing, or both, from the next tick on.
 

@@ -18,7 +18,7 @@ ROW_SECONDS = 0.1
 """Simulated time between two rows, at least [s]: ROWS hold five minutes."""
 KEPT_EVENTS = 500
 KEPT_EXCURSIONS = 300
-LOST, DEAD, HELD, CUT = 1, 2, 4, 8
+LOST, DEAD, HELD, CUT, AWAY = 1, 2, 4, 8, 16
 """Bits of a robot's flags: the link from it is lost or cut; it has no agent; it is stopped by the watchdog."""
 _FLOATS = ("x", "y", "heading", "slot_x", "slot_y", "distance_error", "angle_error", "age", "solve")
 """Columns of every robot [m, rad, s]; `age` is that of the plan over the link from it, -1 if unknown."""
@@ -138,4 +138,4 @@ class ExportBuffer:
 
 def _flags(state: State, robot: int) -> int:
     """Flags of a robot, without those of the link that it sends over."""
-    return DEAD * (robot not in state.live) + HELD * (robot in state.stopped)
+    return DEAD * (robot not in state.live) + HELD * (robot in state.stopped) + AWAY * (robot in state.away)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from formation.errors import EchelonError
+from formation.formation_spec import MAX_CHANGES
 from formation.scenario.files import load
+from formation.scenario.reshaping import change_of, reshaped
 from formation.scenario.scenario import Scenario
 from network.control import GetOrders, Operation, Orders, Pause, Start, Step
 from network.interventions import Move, Push, Release, Reshape
@@ -107,6 +109,15 @@ def test_a_push_is_a_disturbance_of_the_scenario(whole: Simulation) -> None:
     orders = {k: order for k, order in ALL.items() if isinstance(order, Reshape)}
     again = simulated(circle(disturbances=[*listed, stuck]), orders)
     np.testing.assert_array_equal(again.trace.poses, whole.trace.poses)
+
+
+def test_after_a_hundred_shapes_an_order_says_what_to_do() -> None:
+    scenario = load("triangle-circle")
+    changes = [change_of(scenario, float(at), shape="line") for at in range(MAX_CHANGES + 1)]
+    with pytest.raises(
+        EchelonError, match=f"expected at most {MAX_CHANGES} changes of it in an episode; a reset begins"
+    ):
+        reshaped(scenario, changes)
 
 
 def test_a_shape_that_is_ordered_is_one_of_the_scenario_but_for_what_is_seen_of_it_ahead(whole: Simulation) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dashboard.telemetry.export_buffer import CUT, DEAD, HELD, LOST, ROWS, ExportBuffer
+from dashboard.telemetry.export_buffer import AWAY, CUT, DEAD, HELD, LOST, ROWS, ExportBuffer
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
 from formation.link_ids import LinkId
@@ -53,3 +53,5 @@ def test_another_episode_begins_anew_with_its_own_events() -> None:
 def test_flags_tell_who_is_lost_held_and_cut() -> None:
     data = kept(state(live=[1, 2], stopped=[3], faults={LinkId(1, 2): Fault(cut=True)}))
     assert [int(flags) for flags in data.flags[0]] == [LOST | CUT, LOST, DEAD | HELD], "nobody hears robot 2"
+    data = kept(state(live=[1, 2, 3], away=[2], faults={LinkId(1, 3): Fault(cut=True)}))
+    assert [int(flags) for flags in data.flags[0]] == [LOST | CUT, AWAY, 0], "the ring is closed over robot 2"

@@ -21,8 +21,13 @@ def test_every_robot_has_one_agent_whoever_shares_a_process(robots: set[int], to
 
 
 def test_who_is_few_has_a_process_and_who_is_many_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-    monkeypatch.setattr(sharing, "_measured_aside", lambda: asked.append(1) or Capacity(cores(), 40, 90))
+    asked: list[Capacity] = []
+
+    def measured() -> Capacity:
+        asked.append(Capacity(cores(), 40, 90))
+        return asked[-1]
+
+    monkeypatch.setattr(sharing, "_measured_aside", measured)
     told: list[str] = []
     found = Sharing(told.append)
     assert found.size(SURE * cores()) == 1

@@ -8,7 +8,6 @@ import viser
 
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
 from dashboard.requests import RequestQueue
-from dashboard.theme.limits import MOST_ROWS
 from dashboard.theme.templates import render
 from formation.faults import PERFECT, PRESETS, SHOWN, Fault
 from formation.link_ids import DRIVING, LinkId, plan_links
@@ -122,19 +121,17 @@ class FaultPanel:
 
 
 def in_force(faults: Mapping[LinkId, Fault]) -> str:
-    """HTML of the faults in force, a line per link, and how many more there are."""
-    return render(
-        "panels/faults_in_force.html", faults=sorted(faults.items())[:MOST_ROWS], more=len(faults) - MOST_ROWS
-    )
+    """HTML of the faults in force, a line per link."""
+    return render("panels/faults_in_force.html", faults=sorted(faults.items()))
 
 
-def targets(robots: int, *, driven: bool = False, away: Collection[int] = ()) -> Mapping[str, tuple[str, ...]]:
+def targets(robots: int, *, driven: bool = False, away: Collection[int] = ()) -> dict[str, tuple[str, ...]]:
     """Labels of the targets that can be chosen, and the names of their links, in a ring of which some are away."""
-    return _targets(robots, driven, tuple(away))
+    return _targets(robots, driven, tuple(sorted(away)))
 
 
-@lru_cache(maxsize=2)
-def _targets(robots: int, driven: bool, away: tuple[int, ...]) -> Mapping[str, tuple[str, ...]]:
+@lru_cache(maxsize=4)
+def _targets(robots: int, driven: bool, away: tuple[int, ...]) -> dict[str, tuple[str, ...]]:  # with every frame
     orders = {arrow(DRIVING): (str(DRIVING),)} if driven else {}
     numbers = range(1, robots + 1)
     own = [*(LinkId.poses_to(i) for i in numbers), *(LinkId.commands_from(i) for i in numbers)]

@@ -6,6 +6,3 @@ TRACKING_LIMIT = 0.025
 """Distance of the formation's centre from its path [m]."""
 LAG_LIMIT = 0.05
 """Lag of a robot behind the clock, from which on the page mentions it [s]."""
-
-MOST_ROWS = 64
-"""Of a table of robots or links: of more the worst are shown."""

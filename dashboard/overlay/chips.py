@@ -4,7 +4,7 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 from dashboard.telemetry.beliefs import BeliefView
-from dashboard.telemetry.links import LOST_SECONDS
+from dashboard.telemetry.links import LOST_SECONDS, untold
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration, length
 from dashboard.theme.limits import DISTANCE_LIMIT
@@ -70,6 +70,6 @@ def _ways(snapshot: Snapshot, away: Collection[int], n: int, *, driven: bool) ->
             found.append(
                 Chip(f"way {robot}", "/bodies", robot - 1, (hue(robot, n),), age, "since told the way", colour)
             )
-        if robot == 2 and status.lost:
+        if robot == 2 and untold(status):
             found.append(Chip("told", "/told", 1, (), "", "what 2 was told ended here", "muted"))
     return found

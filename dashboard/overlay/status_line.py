@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from dashboard.telemetry.links import LinkView, oldest
+from dashboard.telemetry.links import LinkView, oldest, untold
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
 
@@ -29,7 +29,8 @@ def status_line(snapshot: Snapshot, links: list[LinkView]) -> StatusLine:
         return StatusLine("muted", "Waiting for the run.", "")
     n = len(state.poses)
     told = snapshot.scenario.path.known_to == "leader" and n > 1
-    lost = [robot for robot, status in sorted(snapshot.statuses.items()) if status.lost]
+    lost = [robot for robot, status in sorted(snapshot.statuses.items()) if untold(status)]
+    off = [robot for robot, status in sorted(snapshot.statuses.items()) if status.lost and robot not in lost]
     gone = sorted(set(range(1, n + 1)) - set(state.live))
     worst = max(links, key=lambda link: (link.cut, link.lost and not link.deaf, link.level if not link.deaf else 0.0))
     if worst.cut or (worst.lost and not worst.deaf):
@@ -45,6 +46,10 @@ def status_line(snapshot: Snapshot, links: list[LinkView]) -> StatusLine:
     if lost:
         rest = "They go on as they last went."
         return StatusLine("bad", f"{_robots(lost)} used up the way that {_was(lost)} told.", rest)
+    if off:
+        return StatusLine(
+            "warn", f"{_robots(off)} {'is' if len(off) == 1 else 'are'} not yet on the way last told.", ""
+        )
     if worst.level > 0.5 or worst.loss >= 0.05:
         parts = [_time(worst.age or 0.0)] + ([f"{100 * worst.loss:.0f} % lost"] if worst.loss >= 0.005 else [])
         label = "late" if worst.level > 0.5 else "lossy"

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from dashboard.telemetry.links import LOST_SECONDS, LinkView
+from dashboard.telemetry.links import LOST_SECONDS, LinkView, untold
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme.formatting import duration
 from dashboard.theme.palette import hue
@@ -89,7 +89,7 @@ def _hop(snapshot: Snapshot, n: int, robot: int, label: str, age: float | None) 
         text, level = "knows", 0.0
     else:
         text = " ".join(duration(age))
-        level = 1.0 if status is not None and status.lost else min(1.0, age / LOST_SECONDS)
+        level = 1.0 if status is not None and untold(status) else min(1.0, age / LOST_SECONDS)
     return Hop(hue(robot, n), f"R{robot}", text, level)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashboard.scene import geometry
 from dashboard.telemetry.beliefs import BeliefView
-from dashboard.telemetry.links import LinkView
+from dashboard.telemetry.links import LinkView, untold
 from dashboard.telemetry.snapshot import Snapshot
 from dashboard.theme import colours
 from dashboard.theme.limits import DISTANCE_LIMIT
@@ -184,7 +184,7 @@ def told_ends(snapshot: Snapshot, robots: int) -> FloatArray:
     ends = np.full((robots, 2), AWAY)
     for robot, status in snapshot.statuses.items():
         plan = status.plan
-        if status.lost and plan is not None and len(plan.way) and robot <= robots:
+        if untold(status) and plan is not None and len(plan.way) and robot <= robots:
             ends[robot - 1] = plan.way[-1, 2:4]
     return ends
 

@@ -65,6 +65,11 @@ class LinkView:
         return self.counts.lost / self.counts.sent if self.counts.sent else 0.0
 
 
+def untold(status: Status) -> bool:
+    """Whether a robot has used up the way that it was told; one that is told again, and not back on it, has not."""
+    return status.lost and status.way_age > LOST_SECONDS
+
+
 def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
     """Every link of the ring, ordered by sender; robots that have left it have none."""
     live = frozenset(state.live)

@@ -48,6 +48,9 @@ def test_a_cut_link_is_worse_than_a_lost_agent_and_that_worse_than_a_late_link(s
 def test_robots_whose_way_is_used_up_are_named_and_have_chips() -> None:
     lost = {i: status(i, i - 1, age=6.0, way_age=6.0, lost=True) for i in (2, 3)}
     assert "Robots 2 and 3 used up the way" in line(state(4, faults=CUT), lost, "follow-the-leader").rest
+    again = {i: status(i, i - 1, age=0.01, way_age=0.02, lost=True) for i in (2, 3)}
+    assert line(state(4), again, "follow-the-leader").headline == "Robots 2 and 3 are not yet on the way last told."
+    assert [chip.key for chip in chips(snapshot(state(4), again, "follow-the-leader"), [])] == ["knows"]
     found = {chip.key: chip for chip in chips(snapshot(state(4), lost, "follow-the-leader"), [])}
     assert found.keys() == {"knows", "way 2", "way 3", "told"}
     assert (found["way 3"].number, found["way 3"].colour) == ("6.0 s", "bad")

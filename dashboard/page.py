@@ -8,6 +8,7 @@ import viser
 from dashboard.notices import Notice, Notices
 from dashboard.overlay.overlay import Overlay
 from dashboard.overlay.time_line import TimeLine
+from dashboard.pacing import UNWATCHED_FRAME, UNWATCHED_PAUSE, pace
 from dashboard.panels.agent_lifecycle import VERBS, AgentLifecycle
 from dashboard.panels.clickable import Clickable
 from dashboard.panels.event_log import event_log
@@ -38,16 +39,6 @@ from network.bus import Bus
 from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 
-FRAME = 1.0 / 30.0
-"""Between two frames [s]."""
-MANY_ROBOTS_FRAME = 1.0 / 18.0
-MANY_ROBOTS = 20
-"""With more robots frames are rarer: a page without a graphics card could not follow."""
-UNWATCHED_FRAME, UNWATCHED_PAUSE = 0.5, 0.05
-"""While no page is open: between two frames, and between two states that are kept for plots and export [s]."""
-PANEL_INTERVAL = 0.2
-PLOT_INTERVAL = 0.25
-"""Between two updates of the panels and of the plots [s]."""
 WIDE = 1400
 """Pages that are narrower than this get narrower panels [px]."""
 PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
@@ -223,7 +214,7 @@ class Page:
         """From this frame to the next [s]."""
         if not self._watched:
             return 0.0 if self._feed.loading else UNWATCHED_PAUSE
-        return MANY_ROBOTS_FRAME if robots > MANY_ROBOTS else FRAME
+        return pace(robots).frame
 
     def _frame(self) -> int:
         """Draw once; returns the number of robots."""
@@ -234,12 +225,12 @@ class Page:
         with self._server.atomic():
             self._scene.set_palette(self._palette)
             self._scene.draw(view, whole=whole)
-            now, key = monotonic(), self._key(live, view)
-            panels = now - self._panels_drawn_at >= PANEL_INTERVAL or key != self._panels_key
+            now, key, rate = monotonic(), self._key(live, view), pace(len(snapshot.poses))
+            panels = now - self._panels_drawn_at >= rate.panels or key != self._panels_key
             if panels:
                 self._draw_panels(live, view, whole=whole or key != self._panels_key)
                 self._panels_drawn_at, self._panels_key = now, key
-            if whole or (not panels and now - self._plots_drawn_at >= PLOT_INTERVAL):
+            if whole or (not panels and now - self._plots_drawn_at >= rate.plots):
                 self._plots_drawn_at = now
                 self._draw_plots(view)
         if state is not None and snapshot.scenario is not None and len(snapshot.poses) == snapshot.scenario.size:
@@ -255,7 +246,7 @@ class Page:
             )
 
     def _key(self, live: View, view: View) -> tuple[object, ...]:
-        """What users see at once when it changes; the rest of the panels is drawn every PANEL_INTERVAL."""
+        """What users see at once when it changes; the rest of the panels is drawn now and then (pacing.py)."""
         snapshot, state = live.snapshot, live.snapshot.state
         place = None if view.place is None or self._feed.playhead.playing else view.place
         page = (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus, place)

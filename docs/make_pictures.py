@@ -91,6 +91,13 @@ def followed(camera: Camera) -> None:
             driven.page.locator(".e-handle").press("ArrowRight")
             driven.page.wait_for_timeout(300)
         camera.take(driven, "rewound", LARGE)
+        driven.page.locator(".e-live").click()
+        driven.wait_text("● LIVE")
+        driven.show("Ledger")
+        driven.wait_text("Excursions")
+        driven.page.locator("[data-cell^=excursion]").last.dispatch_event("pointerdown")
+        driven.wait_text("How it came")
+        camera.take(driven, "ledger", SMALL)
 
 
 def drove(camera: Camera) -> None:
@@ -102,8 +109,9 @@ def drove(camera: Camera) -> None:
         driven.page.wait_for_function("() => Boolean(window.__echelonWheel)", polling=100)
         driven.page.keyboard.down("w")
         driven.page.keyboard.down("a")
-        driven.page.wait_for_timeout(6000)
-        camera.take(driven, "driven", SMALL)
+        driven.until(lambda: run.state().driving.orders > 3, "orders")
+        driven.page.wait_for_timeout(4000)
+        camera.take(driven, "driven", SMALL, settle_ms=600)
         driven.page.keyboard.up("w")
         driven.page.keyboard.up("a")
 

@@ -9,11 +9,10 @@ views (`window.state.window_of`); callers group other arguments in NamedTuples a
 import hashlib
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
-
-import numba
 
 from agents.kernels.jit_cache import cache_folder, compiled, fetch_prebuilt
 
@@ -22,22 +21,25 @@ if not compiled():
     sys.stderr.write("the solver is not compiled for this machine yet: compiling (about half a minute) ...\n")
 
 
-def _go_without_blas() -> None:
-    """Load the part of numba that looks for scipy's BLAS, and have it find none: 0.2 s and 11 MB of every agent.
-
-    No kernel uses it: it would decide over last bits (docs/design.md, section 12).
-    """
-    blas = "scipy.linalg"
-    if blas in sys.modules:
-        return
-    sys.modules[blas] = None  # type: ignore[assignment]  # whoever imports it now is told that there is none
+@contextmanager
+def _without(*modules: str) -> Iterator[None]:
+    """Whoever imports one of these meanwhile finds that there is none, unless it is loaded already."""
+    hidden = [module for module in modules if module not in sys.modules]
+    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
     try:
-        importlib.import_module("numba.np.arraymath")
+        yield
     finally:
-        del sys.modules[blas]
+        for module in hidden:
+            del sys.modules[module]
 
 
-_go_without_blas()
+# What numba looks for as it loads, and no kernel uses: 0.25 s and 11 MB of every agent. scipy's BLAS would even decide
+# over last bits (docs/design.md, section 12).
+with _without("scipy.linalg", "cffi", "yaml"):
+    import numba
+
+    for part in ("numba.np.arraymath", "numba.core.typing.cffi_utils"):
+        importlib.import_module(part)
 
 _OURS: set[object] = set()
 """Code of the functions that the decorators below were given."""

@@ -41,11 +41,8 @@ def chips(snapshot: Snapshot, beliefs: list[BeliefView]) -> list[Chip]:
     if state is None or scenario is None:
         return []
     n = len(state.poses)
-    found = [
-        Chip(f"gone {i}", "/bodies", i - 1, (hue(i, n),), "no agent", "", "bad")
-        for i in range(1, n + 1)
-        if i not in state.live
-    ]
+    gone = sorted(set(range(1, n + 1)) - set(state.live))[:MOST]
+    found = [Chip(f"gone {i}", "/bodies", i - 1, (hue(i, n),), "no agent", "", "bad") for i in gone]
     for belief in sorted(beliefs, key=lambda belief: -belief.error):
         if belief.error > DISTANCE_LIMIT:
             text = f"{belief.receiver} believes {belief.sender} here:"

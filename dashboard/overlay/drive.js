@@ -46,7 +46,8 @@
     const held = wheel.held(), [v, omega] = wheel.asked();
     for (const one of hand.querySelectorAll("kbd"))
       one.classList.toggle("e-held", one.dataset.codes.split(",").some(code => held[code]));
-    if (!finger) knob.style.transform = `translate(${-omega * STICK}px,${-v * STICK}px)`;
+    const reach = STICK / Math.max(1, Math.hypot(v, omega));  // two keys at once push it to the rim, not beyond
+    if (finger === null) knob.style.transform = `translate(${-omega * reach}px,${-v * reach}px)`;
     const pads = wheel.pads();
     const text = pads.length ? "gamepad: " + pads[0].id.slice(0, 24) : "or W A S D, a gamepad, the stick";
     if (words.textContent !== text) words.textContent = text;

@@ -30,7 +30,7 @@ def status_line(snapshot: Snapshot, links: list[LinkView]) -> StatusLine:
     n = len(state.poses)
     told = snapshot.scenario.path.known_to == "leader" and n > 1
     lost = [robot for robot, status in sorted(snapshot.statuses.items()) if status.lost]
-    gone = [robot for robot in range(1, n + 1) if robot not in state.live]
+    gone = sorted(set(range(1, n + 1)) - set(state.live))
     worst = max(links, key=lambda link: (link.cut, link.lost and not link.deaf, link.level if not link.deaf else 0.0))
     if worst.cut or (worst.lost and not worst.deaf):
         what = "cut" if worst.cut else "silent"

@@ -1,7 +1,7 @@
 """The fault panel: the faults in force, and the controls that change them."""
 
 from collections.abc import Collection, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import viser
@@ -127,6 +127,11 @@ def in_force(faults: Mapping[LinkId, Fault]) -> str:
 
 def targets(robots: int, *, driven: bool = False, away: Collection[int] = ()) -> dict[str, tuple[str, ...]]:
     """Labels of the targets that can be chosen, and the names of their links, in a ring of which some are away."""
+    return _targets(robots, driven, tuple(sorted(away)))
+
+
+@lru_cache(maxsize=4)
+def _targets(robots: int, driven: bool, away: tuple[int, ...]) -> dict[str, tuple[str, ...]]:  # with every frame
     orders = {arrow(DRIVING): (str(DRIVING),)} if driven else {}
     numbers = range(1, robots + 1)
     own = [*(LinkId.poses_to(i) for i in numbers), *(LinkId.commands_from(i) for i in numbers)]

@@ -45,7 +45,7 @@ def hops(snapshot: Snapshot, links: list[LinkView]) -> Strip:
     n = len(state.poses)
     told = scenario is not None and scenario.path.known_to == "leader" and n > 1
     ages = way_ages(snapshot) if told else {}
-    found = [_hop(snapshot, state, robot, ages.get(robot)) for robot in range(1, n + 1)]
+    found = [_hop(snapshot, n, robot, label, ages.get(robot)) for robot, label in enumerate(robot_labels(state), 1)]
     if n > FEW:
         return Strip(_title(told, _driven(snapshot)), _crowd(found, told=told))
     if told:
@@ -79,24 +79,18 @@ def _title(told: bool, driven: bool) -> str:
     return "Age of the orders, hop by hop" if driven else "Knowledge of the way, hop by hop"
 
 
-def _hop(snapshot: Snapshot, state: State, robot: int, age: float | None) -> Hop:
-    label, n = robot_label(state, robot), len(state.poses)
+def _hop(snapshot: Snapshot, n: int, robot: int, label: str, age: float | None) -> Hop:
     status = snapshot.statuses.get(robot)
     if label != "OK":
         text, level = label, 1.0
     elif age is None:
         text, level = "", 0.0
-    elif robot == _first(state) and not _driven(snapshot):
+    elif robot == snapshot.leader and not _driven(snapshot):
         text, level = "knows", 0.0
     else:
         text = " ".join(duration(age))
         level = 1.0 if status is not None and status.lost else min(1.0, age / LOST_SECONDS)
     return Hop(hue(robot, n), f"R{robot}", text, level)
-
-
-def _first(state: State) -> int:
-    """Who knows the way: robot 1, or the next if that is away."""
-    return next((robot for robot in range(1, len(state.poses) + 1) if robot not in state.away), 1)
 
 
 def _crowd(found: list[Hop], *, told: bool) -> list[Hop]:
@@ -107,10 +101,15 @@ def _crowd(found: list[Hop], *, told: bool) -> list[Hop]:
     return [*bad[:MOST], Hop(found[0].hue, rest, "know the way" if told and not bad else "", 0.0 if well else 1.0)]
 
 
-def robot_label(state: State, robot: int) -> str:
-    """How a robot is, in a word."""
-    if robot in state.away and robot in state.live:
-        return "AWAY"
-    if robot not in state.live:
-        return "KILLED" if robot in state.dismissed else "LOST"
-    return "HELD" if robot in state.stopped else "OK"
+def robot_labels(state: State) -> list[str]:
+    """How each robot is, in a word."""
+    live, away, dismissed, stopped = map(set, (state.live, state.away, state.dismissed, state.stopped))
+
+    def label(robot: int) -> str:
+        if robot in away and robot in live:
+            return "AWAY"
+        if robot not in live:
+            return "KILLED" if robot in dismissed else "LOST"
+        return "HELD" if robot in stopped else "OK"
+
+    return [label(robot) for robot in range(1, len(state.poses) + 1)]

@@ -76,12 +76,12 @@ class NetworkTab:
         state, place = view.snapshot.state, self._place(view)
         if state is None or place is None:
             return ""
-        if view.place is None:
-            self._weigh(view)
         ages, counts, seconds = self._feed.tape.links(place, SECONDS)
         links = view.links
         if len(links) > CARDS:
             links = sorted(links, key=lambda link: (-link.level, -(link.age or 0.0)))[:CARDS]
+        if view.place is None:
+            self._weigh(view, {link.sender for link in links})
         offs = {belief.receiver: (belief.error, view.snapshot.noise) for belief in view.beliefs}
         cards = [self._card(state, link, ages, counts, seconds, offs) for link in links]
         html = render(
@@ -101,9 +101,9 @@ class NetworkTab:
         episodes = self._feed.tape.episodes
         return Place(episodes[-1].number, episodes[-1].ends) if episodes else None
 
-    def _weigh(self, view: View) -> None:
+    def _weigh(self, view: View, senders: Collection[int]) -> None:
         for robot, status in view.snapshot.statuses.items():
-            if status.plan is not None:
+            if status.plan is not None and robot in senders:
                 self._sizes[robot] = _size(status)
 
     def _card(

@@ -1,6 +1,7 @@
 """The push folder: disturb a robot's body, drag a robot aside, change shape and spacing while the run goes on."""
 
 import math
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ RELEASE = "Release"
 PICK = "choose…"
 SPACING = (40.0, 400.0, 5.0)
 """Of the slider: least, most, step [mm]."""
+MANY, MANY_SECONDS = 100, 2.0
+"""Of more robots the nearest two places are sought so seldom [s]: that takes the square of their number."""
 DRAGGED = 0.01
 """A drag shorter than this moves nothing [m]: a click is not meant to."""
 
@@ -33,6 +36,7 @@ class PushPanel:
     def __init__(self, gui: viser.GuiApi, requests: RequestQueue) -> None:
         self._requests = requests
         self._robots = 1
+        self._measured_at = 0.0
         self._drags: dict[int, Any] = {}
         """By page, the line from the robot to the pointer."""
         buttons = [[kind.capitalize() for kind in row] for row in ROWS]
@@ -127,8 +131,10 @@ class PushPanel:
         set_options(self._robot, tuple(map(_label, range(1, self._robots + 1))))
         set_options(self._shape, (PICK, *_shapes(self._robots)))
         set_if_changed(self._acting, "content", render("panels/push.html", pushes=state.pushes, now=state.stamp))
-        apart = 1000.0 * float(nearest(state.slots[:, :2])[2])
-        self._spacing.show(min(max(round(apart / SPACING[2]) * SPACING[2], SPACING[0]), SPACING[1]))
+        if monotonic() - self._measured_at >= (0.0 if self._robots <= MANY else MANY_SECONDS):
+            self._measured_at = monotonic()
+            apart = 1000.0 * float(nearest(state.slots[:, :2])[2])
+            self._spacing.show(min(max(round(apart / SPACING[2]) * SPACING[2], SPACING[0]), SPACING[1]))
 
 
 def _label(robot: int) -> str:

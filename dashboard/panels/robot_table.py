@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.hops import robot_label
+from dashboard.panels.hops import robot_labels
 from dashboard.panels.run_summary import lag
 from dashboard.telemetry.links import LinkView
 from dashboard.telemetry.snapshot import Snapshot
@@ -51,9 +51,13 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
         clickable: takes "focus", "kill" and "restart" with a robot.
     """
     state = snapshot.state
-    robots = range(1, 1 + (0 if state is None else len(state.poses)))
+    labels = [] if state is None else robot_labels(state)
     to = {link.receiver: link for link in links}
-    rows = [_row(state, i, snapshot.statuses.get(i), to.get(i)) for i in robots if state is not None]
+    rows = [
+        _row(state, i, label, snapshot.statuses.get(i), to.get(i))
+        for i, label in enumerate(labels, 1)
+        if state is not None
+    ]
     left_out = max(0, len(rows) - MOST)
     if left_out:
         worst = sorted(rows, key=lambda row: -max(row.level, row.link.level if row.link else 0.0))[:MOST]
@@ -70,8 +74,7 @@ def robot_table(snapshot: Snapshot, links: list[LinkView], clickable: Clickable)
     )
 
 
-def _row(state: State, robot: int, status: Status | None, link: LinkView | None) -> Row:
-    label = robot_label(state, robot)
+def _row(state: State, robot: int, label: str, status: Status | None, link: LinkView | None) -> Row:
     status = status if status is not None and status.episode == state.episode else None
     level, behind = 0.0 if label == "OK" else 1.0, lag(status, state)
     agent = "alive" if label == "OK" else label
@@ -86,7 +89,7 @@ def _row(state: State, robot: int, status: Status | None, link: LinkView | None)
         hue=hue(robot, len(state.poses)),
         agent=agent,
         level=level,
-        process=f"process {status.pid}" if status is not None and robot in state.live else "no process",
+        process=f"process {status.pid}" if status is not None and label not in ("KILLED", "LOST") else "no process",
         link=link,
         status=status,
         error=abs(float(state.distance_errors[robot - 1])),

@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +100,10 @@ class ExportBuffer:
             table[:, 7] = -1.0
             table[senders, 7] = [-1.0 if link.age is None else link.age for link in links]
             table[:, 8] = [statuses[i].solve if i in statuses else 0.0 for i in range(1, len(state.poses) + 1)]
-            self._flags[row] = [_flags(state, robot) for robot in range(1, len(state.poses) + 1)]
+            self._flags[row] = DEAD  # but for those that have an agent, and links have flags too
+            self._flags[row, _rows(state.live, len(state.poses))] = 0
+            self._flags[row, _rows(state.stopped, len(state.poses))] += HELD
+            self._flags[row, _rows(state.away, len(state.poses))] += AWAY
             self._flags[row, senders] += np.array([LOST * link.lost + CUT * link.cut for link in links], dtype=np.uint8)
 
     def _begin(self, state: State) -> None:
@@ -136,6 +139,6 @@ class ExportBuffer:
             )
 
 
-def _flags(state: State, robot: int) -> int:
-    """Flags of a robot, without those of the link that it sends over."""
-    return DEAD * (robot not in state.live) + HELD * (robot in state.stopped) + AWAY * (robot in state.away)
+def _rows(robots: Collection[int], n: int) -> list[int]:
+    """Rows of these robots, of n."""
+    return [robot - 1 for robot in robots if 1 <= robot <= n]

@@ -1,6 +1,6 @@
 """Health of the ring's links: the age of the newest plan that arrived over each, and whether the link is lost."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from formation.faults import PERFECT, Fault
@@ -67,7 +67,8 @@ class LinkView:
 
 def ring_links(state: State, statuses: Mapping[int, Status]) -> list[LinkView]:
     """Every link of the ring, ordered by sender; robots that have left it have none."""
-    return [_link(state, statuses, link) for link in plan_links(len(state.poses), away=state.away)]
+    live = frozenset(state.live)
+    return [_link(state, statuses, link, live) for link in plan_links(len(state.poses), away=frozenset(state.away))]
 
 
 def driver_link(state: State, statuses: Mapping[int, Status]) -> LinkView:
@@ -80,13 +81,13 @@ def driver_link(state: State, statuses: Mapping[int, Status]) -> LinkView:
     )
 
 
-def _link(state: State, statuses: Mapping[int, Status], link: LinkId) -> LinkView:
+def _link(state: State, statuses: Mapping[int, Status], link: LinkId, live: Collection[int]) -> LinkView:
     status = statuses.get(link.receiver)
     age, counts = None, LinkCounts()
     if status is not None and status.episode == state.episode:
         age, counts = age_now(state, status), status.counts
     fault = state.faults.get(link, PERFECT)
-    return LinkView(link, age, fault, counts, deaf=link.receiver not in state.live)
+    return LinkView(link, age, fault, counts, deaf=link.receiver not in live)
 
 
 def age_now(state: State, status: Status) -> float:

@@ -84,7 +84,8 @@ class TelemetrySubscriber:
         poses, stamp = _between(states, now)
         state = states[-1][1] if states else None
         if state is not None:  # the last status of an agent that is gone is dropped for good
-            self._statuses = {robot: status for robot, status in self._statuses.items() if robot in state.live}
+            live = set(state.live)
+            self._statuses = {robot: status for robot, status in self._statuses.items() if robot in live}
         fits = state is not None and scenario is not None and scenario[0] == state.episode
         return Snapshot(
             state=state,

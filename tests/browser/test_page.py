@@ -118,7 +118,7 @@ def test_a_cell_of_the_link_matrix_becomes_the_target_of_faults(page: Driven, ru
 
 
 def test_two_pages_agree(browser: "Browser", page: Driven, run: BrowserRun) -> None:
-    other = Driven(browser, run.url)
+    other = Driven(browser, run.url, width=640, height=420)
     page.click_cell("link 1")
     page.tick("Cut", True)
     other.wait_text(r"1→2\s+cut")

@@ -6,7 +6,8 @@ import time
 import numpy as np
 import pytest
 
-from dashboard.page import UNWATCHED_FRAME, Page
+from dashboard.pacing import UNWATCHED_FRAME
+from dashboard.page import Page
 from dashboard.panels.run_summary import condition
 from dashboard.serving import server
 from dashboard.serving.access import Guard

@@ -6,7 +6,7 @@ from unittest.mock import MagicMock
 import pytest
 
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.link_matrix import MATRIX_ROBOTS, link_matrix
+from dashboard.panels.link_matrix import MATRIX_ROBOTS, MOST, link_matrix
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.snapshot import Snapshot
 from formation.faults import Fault
@@ -28,6 +28,14 @@ def test_every_link_of_the_ring_is_there_once_and_can_be_clicked(robots: int) ->
     html = matrix(robots)
     assert re.findall(r'data-cell="link (\d+)"', html) == [str(i) for i in range(1, robots + 1)]
     assert html.count("50 ms") == robots
+
+
+def test_of_a_crowd_the_worst_links_are_listed_and_the_others_counted() -> None:
+    cut = LinkId(700, 701)
+    html = matrix(1000, faults={cut: Fault(cut=True)})
+    assert len(re.findall(r'data-cell="link', html)) == MOST
+    assert "CUT 50 ms" in html
+    assert f"{1000 - MOST} more links" in html
 
 
 def test_a_cut_link_says_so() -> None:

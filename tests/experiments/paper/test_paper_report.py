@@ -28,9 +28,8 @@ def nothing(*_: Any) -> None:
     """No progress."""
 
 
-def written(folder: Path, *, workers: int | None = 1, cluster: str | None = None) -> Report:
-    place = Place(paper.folder(str(folder)), workers, cluster)
-    return paper.write(EXTENT, place, tell=nothing, trials=nothing, figures=nothing)
+def written(folder: Path) -> Report:
+    return paper.write(EXTENT, Place(paper.folder(str(folder)), 1), tell=nothing, trials=nothing, figures=nothing)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -55,12 +54,6 @@ def made(tmp_path_factory: Any) -> tuple[Path, Report]:
     return folder, written(folder)
 
 
-def test_the_same_seed_gives_the_same_bytes_in_every_file(made: Any, tmp_path: Any) -> None:
-    folder, _ = made
-    written(tmp_path / "again", workers=2)
-    assert_same(folder, tmp_path / "again")
-
-
 def test_a_finished_report_is_written_again_without_a_simulation(made: Any, tmp_path: Any) -> None:
     folder, _ = made
     paper.folder(str(tmp_path / "again"))
@@ -77,10 +70,9 @@ ARGUMENTS = ["paper", "--seeds", "1", "--duration", "1500ms", "--json"]
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("end", [signal.SIGKILL])
-def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(made: Any, tmp_path: Any, end: Any) -> None:
+def test_two_workers_killed_and_started_again_give_the_bytes_of_one_in_every_file(made: Any, tmp_path: Any) -> None:
     arguments = [*ARGUMENTS, "--out", str(tmp_path), "--workers", "2"]
-    kill_after(arguments, tmp_path, 2, end)
+    kill_after(arguments, tmp_path, 2, signal.SIGKILL)
     assert (tmp_path / NAME).read_bytes().count(b"\n") < len(trials_of(EXTENT))
     second = start(arguments)
     out, err = second.communicate(timeout=200)
@@ -91,10 +83,12 @@ def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(made: Any, tmp
 
 
 @pytest.mark.processes
-def test_a_dask_cluster_of_real_processes_gives_the_same_report(made: Any, tmp_path: Any) -> None:
+def test_a_dask_cluster_of_real_processes_gives_the_same_results(tmp_path: Any) -> None:
+    trials = [trial for chapter in paper.CHAPTERS for trial in chapter.trials(Extent(seeds=1, limit=0.5))[:1]]
     with dask_cluster(tmp_path) as address:
-        written(tmp_path / "far", workers=None, cluster=address)
-    assert_same(tmp_path / "far", made[0])
+        far = run_batch(trials, Place(tmp_path, None, address), tell=nothing, progress=nothing)
+    (tmp_path / "here").mkdir()
+    assert run_batch(trials, Place(tmp_path / "here", 1), tell=nothing, progress=nothing) == far
 
 
 def test_another_seed_gives_other_noise(tmp_path: Any) -> None:

@@ -155,12 +155,9 @@ def test_more_seeds_simulate_the_new_ones_only(study: Any, reference: Any) -> No
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT])
-def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(
-    file: Any, reference: Any, tmp_path: Any, end: Any
-) -> None:
+def test_interrupted_and_run_again_it_ends_as_if_nothing_had_been(file: Any, reference: Any, tmp_path: Any) -> None:
     arguments = ["study", str(file), "--out", str(tmp_path), "--workers", "2", "--json"]
-    kill_after(arguments, tmp_path, 1, end)
+    kill_after(arguments, tmp_path, 1, signal.SIGINT)
     assert (tmp_path / NAME).read_bytes().count(b"\n") < 12
     second = start(arguments)
     out, err = second.communicate(timeout=120)

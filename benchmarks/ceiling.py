@@ -1,11 +1,12 @@
-"""How near lockstep comes to what its messages alone cost here, and where the time of a tick goes.
+"""How near a run comes to what its messages alone cost here, and where the time of a tick goes.
 
-python -m benchmarks.ceiling [--robots 3,8,16] [--rounds 5] [--seconds 10] [--json FILE]
+python -m benchmarks.ceiling [--robots 3,8,16] [--rounds 3] [--seconds 4] [--lockstep] [--json FILE]
 
-Bare: the same processes without their work (benchmarks/bare.py). Each round measures both, by turns. Then
-the steps of a tick are timed one by one on the messages of a simulation, beside the processor time that all processes
-took: what is left of that is waking up, queues and Zenoh. The clock decides, so the machine should have nothing else to
-do; the ratio of a round bears some load.
+Bare: the same processes without their work (benchmarks/bare.py). Each round measures both, by turns. Then the steps of
+a tick are timed one by one on the messages of a simulation, beside the processor time that all processes took: what is
+left of that is waking up, queues and Zenoh. Then, but for --lockstep, missed ticks, processor time and memory in real
+time, and ticks a second in one process (benchmarks/paced.py): under six minutes in all. The clock decides, so the
+machine should have nothing else to do; the ratio of a round bears some load.
 """
 
 import argparse
@@ -18,13 +19,15 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import msgpack
 
 from benchmarks import bare
-from benchmarks.speed import HERE, TICK, Checkout
+from benchmarks.paced import in_process_rows, paced_rows, shown
+from benchmarks.speed import HERE, SEEDS, TICK, Checkout
 from formation.scenario.files import load
 from network.codec import decode, encode, unseal
 from network.messages import Message
@@ -149,8 +152,9 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robots", default="3,8,16", metavar="N,N,...")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=10.0, help="of each measurement")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--seconds", type=float, default=4.0, help="of each measurement (default: 4)")
+    parser.add_argument("--lockstep", action="store_true", help="nothing but lockstep")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     options = parser.parse_args()
     ensure_compiled(lambda line: print(line, file=sys.stderr))
@@ -161,14 +165,21 @@ def main() -> None:
         print(f"{robots} robots ...", file=sys.stderr, flush=True)
         figures.append(_figure(checkout, robots, options.rounds, options.seconds))
         _show(figures[-1])
+    rows = []
+    for row in () if options.lockstep else chain(in_process_rows(checkout), paced_rows(options.seconds, steps(16)[0])):
+        rows.append(row)
+        print(shown(row), flush=True)
     if options.json:
         facts = {
             "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
             "commit": checkout.commit(),
             "rounds": options.rounds,
+            "seeds": SEEDS[:1],
+            "seconds": options.seconds,
             "took_s": round(time.perf_counter() - began, 1),
             "load": os.getloadavg(),
-            "figures": [asdict(figure) for figure in figures],
+            "lockstep": [asdict(figure) for figure in figures],
+            "rows": rows,
         }
         options.json.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
@@ -183,9 +194,9 @@ def _figure(checkout: Checkout, robots: int, rounds: int, seconds: float) -> Fig
         if done % 2:
             bares.append(bare.measure(robots, seconds, sizes))
         rate = reals[-1][0]
-    ratios = [real[0] / bound[0] for real, bound in zip(reals, bares, strict=True)]
+    ratios = [real[0] / bound.rate for real, bound in zip(reals, bares, strict=True)]
     (bare_rate, bare_us), (real_rate, real_us) = (
-        map(statistics.median, zip(*side, strict=True)) for side in (bares, reals)
+        map(statistics.median, zip(*side, strict=True)) for side in ([found[:2] for found in bares], reals)
     )
     middle = statistics.median(ratios)
     return Figure(robots, bare_rate, real_rate, middle, min(ratios), max(ratios), bare_us, real_us, parts)

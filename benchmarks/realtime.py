@@ -74,7 +74,7 @@ def real_time(robots: int, seconds: float, *more: str) -> dict[str, float]:
     with _up("circle", "--realtime", "--no-dashboard", *shape, *more) as up:
         while _state().get("status") != "running":
             time.sleep(0.2)
-        first = _state()
+        first, earlier = _state(), _missed(robots)
         print(f"running for {seconds:g} s ...", file=sys.stderr, flush=True)
         memory, before, began = [], _processor(up.pid), time.monotonic()
         for _ in range(3):
@@ -82,7 +82,7 @@ def real_time(robots: int, seconds: float, *more: str) -> dict[str, float]:
             memory.append(_memory(up.pid))
         spent, took = _processor(up.pid), time.monotonic() - began
         last = _state()
-        missed = _missed(robots)
+        missed = [late - early for late, early in zip(_missed(robots), earlier, strict=True)]
     ticks = (last["stamp"] - first["stamp"]) / 0.01
     pss, private = ([one[at] for sample in memory for one in sample] for at in (0, 1))
     shares = {role: (spent[role] - before[role]) / took for role in before}
@@ -143,7 +143,7 @@ def _missed(robots: int) -> list[int]:
             if isinstance(item, Sample):
                 status = decode(Status, item.payload)
                 counts[status.sender] = status.missed
-    return list(counts.values())
+    return [counts[robot] for robot in sorted(counts)]
 
 
 def _state() -> dict[str, Any]:

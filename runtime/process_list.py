@@ -24,8 +24,8 @@ class Program:
     @property
     def name(self) -> str:
         """Name for the user: "world", "agent 2", "agents 1-32"."""
-        if len(self.robots) > 1:
-            return f"agents {spelled(self.robots)}"
+        if self.robots:
+            return f"agent{'s' if len(self.robots) > 1 else ''} {spelled(self.robots)}"
         return f"{self.role} {self.number}" if self.number else self.role
 
     def without(self, robots: Collection[int]) -> "Program | None":

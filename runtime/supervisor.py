@@ -72,7 +72,7 @@ class Supervisor:
             process.join(STOP_SECONDS)
             others = program.without(down)
             self._start_later(others, monotonic())
-            shared = f"; it shared a process with {others.name}, which start again" if others else ""
+            shared = f", with its process; starting again: {others.name}" if others else ""
             self._tell(f"agent {spelled(program.robots & down)} {why}{shared}")
 
     def _start_later(self, program: Program | None, at: float) -> None:

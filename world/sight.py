@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formation.arrays import FloatArray, IntArray, frozen
+from formation.metrics import near
 from formation.scenario.scenario import Scenario
 from network.values import NOBODY_SEEN
 from world.bodies.draws import BLOCK, SIGHT, Draws
-from world.measures.near import near
 
 CROWD = 64
 """Of so many robots each may see all others; of more, each sees the nearest `CROWD - 1`."""

@@ -73,6 +73,19 @@ def test_an_agent_that_a_person_kills_stays_down_until_it_is_restarted(up: Start
     run.end()
 
 
+def test_of_agents_that_share_a_process_one_can_be_killed_and_brought_back(up: Start) -> None:
+    run = up("--no-dashboard", "--together", "2")
+    run.running()
+    pid = run.pid("agents 1-2")
+    echelon("control", "kill", "2")
+    wait_for(lambda: run.status()["dismissed"] == [2] and run.status()["live"] == [1, 3])
+    assert run.pid("agent 1") != pid
+    assert "agent 2 killed, as asked, with its process; starting again: agent 1" in run.text()
+    echelon("control", "restart", "2")
+    wait_for(lambda: run.status()["live"] == [1, 2, 3])
+    run.end()
+
+
 def test_a_killed_router_costs_seconds_and_nothing_else(up: Start) -> None:
     run = up("--no-dashboard")
     before = run.running()

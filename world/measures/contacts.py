@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from formation.arrays import FloatArray, IntArray
+from formation.metrics import near
 from formation.scenario.scenario import Scenario
 from network.messages import Command
-from world.measures.near import near
 
 RELEASE = 0.002
 """Two bodies that touch have to part by so much before they can come to touch again [m]: noise is not a contact."""

@@ -1,0 +1,43 @@
+"""Agents share processes where there are more than the machine bears with one each; every robot has one agent."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime.machine import sharing
+from runtime.machine.capacity import Capacity, cores
+from runtime.machine.sharing import SURE, Sharing
+from runtime.process_list import RunPlan, agents
+
+
+@given(st.sets(st.integers(1, 1024), min_size=1, max_size=40), st.integers(1, 50), st.sets(st.integers(1, 1024)))
+def test_every_robot_has_one_agent_whoever_shares_a_process(robots: set[int], together: int, ended: set[int]) -> None:
+    found = agents(RunPlan("x", "", "unixsock-stream/x", (), together=together), robots)
+    assert sorted(robot for program in found for robot in program.robots) == sorted(robots)
+    assert len(found) == -(-len(robots) // together)
+    left = [other for program in found if (other := program.without(ended)) is not None]
+    assert sorted(robot for program in left for robot in program.robots) == sorted(robots - ended)
+    assert len({program.name for program in found}) == len(found)
+
+
+def test_who_is_few_has_a_process_and_who_is_many_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Capacity] = []
+
+    def measured() -> Capacity:
+        asked.append(Capacity(cores(), 40, 90))
+        return asked[-1]
+
+    monkeypatch.setattr(sharing, "_measured_aside", measured)
+    told: list[str] = []
+    found = Sharing(told.append)
+    assert found.size(SURE * cores()) == 1
+    assert not asked
+    assert found.size(40) == 1 or SURE * cores() >= 40
+    assert not told
+    many = 50 * cores()
+    assert found.size(many) * cores() == many
+    assert len(told) == 1
+    assert "about 40 with a process each" in told[0]
+    found.size(many)
+    assert len(told) == len(asked) == 1
+    assert Sharing(told.append, 3).size(many) == 3

@@ -11,6 +11,7 @@ from runtime.compose import compose_file
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What the command accepts."""
     add_scenario(parser)
+    parser.add_argument("--realtime", action="store_true", help="step by the wall clock, and wait for no agent")
     parser.add_argument("--record", action="store_true", help="record the run, in a volume")
 
 
@@ -19,4 +20,4 @@ def run(options: argparse.Namespace) -> None:
     if options.scenario not in shipped():
         raise ScenarioError(unknown("scenario in the image", options.scenario, shipped()))
     scenario, overrides = load(options)
-    print(compose_file(options.scenario, scenario, overrides, record=options.record), end="")
+    print(compose_file(options.scenario, scenario, overrides, record=options.record, realtime=options.realtime), end="")

@@ -65,7 +65,9 @@ services:
 """
 
 
-def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, record: bool = False) -> RunPlan:
+def plan(
+    scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, record: bool = False, realtime: bool = False
+) -> RunPlan:
     """How a run of containers is put together. The scenario is that of the environment, if there is one."""
     scenario = _CHOSEN.format(scenario)
     return RunPlan(
@@ -75,6 +77,7 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, 
         listen=(f"tls/0.0.0.0:{ROUTER_PORT}",),
         keys=KEYS,
         overrides=overrides,
+        realtime=realtime,
         endless=True,
         ghost=True,
         folder=SAVED,
@@ -85,7 +88,14 @@ def plan(scenario: str, overrides: Overrides, code: CodeArguments = NO_CODE, *, 
     )
 
 
-def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = None, *, record: bool = False) -> str:
+def compose_file(
+    name: str,
+    scenario: Scenario,
+    overrides: Overrides | None = None,
+    *,
+    record: bool = False,
+    realtime: bool = False,
+) -> str:
     """The text of a compose file that runs the scenario.
 
     Args:
@@ -93,6 +103,7 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
         scenario: the same, loaded.
         overrides: what differs from it.
         record: whether the run is recorded, in a volume.
+        realtime: whether the world goes by the wall clock, and waits for nobody.
 
     Raises:
         ScenarioError: its controller cannot run as processes, or there are too many robots.
@@ -111,7 +122,7 @@ def compose_file(name: str, scenario: Scenario, overrides: Overrides | None = No
         volumes="  records: {}\n" if record else "",
     )
     code, mounts = mounted(LOADED.values())
-    planned = plan(name, overrides or {}, code, record=record)
+    planned = plan(name, overrides or {}, code, record=record, realtime=realtime)
     chosen = {planned.scenario, planned.record or ""}
     services = "\n".join(_service(program, mounts, chosen) for program in programs(planned, scenario))
     return head + services

@@ -16,7 +16,7 @@ from network.messages import WORLD, Command, State, Status, Tick
 from network.requests import Setup
 from network.stretch import Recording
 from network.values import Driving, Event, LinkCounts, Mode, RecordWish, RunStatus
-from world.bodies.interface import Bodies
+from world.bodies.interface import Bodies, Seeing
 from world.bodies.own import user_code, user_code_of
 from world.bodies.registry import bodies_for
 from world.command_links import CommandLinks
@@ -134,6 +134,8 @@ class Episode:
         self.revision += 1
         self.interventions.ring(self.k, away)
         self.faults.close_over(away)
+        if isinstance(self.plant, Seeing):
+            self.plant.close_over(away)
         self.faults.update(self.now)
         self._commands.set_faults(self.faults.table)
         if self.trace:

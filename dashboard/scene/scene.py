@@ -136,7 +136,9 @@ class Scene:
             self._ghost.draw(view.ghosts, snapshot.stamp, trails=trails)
         if state is not self._state:
             self._state = state
-            self._nodes["/slots"].batched_positions = geometry.lifted(state.slots[:, :2], self._sizes.z(3))
+            slots = state.slots[:, :2].copy()
+            slots[[robot - 1 for robot in state.away]] = layers.AWAY  # nobody's
+            self._nodes["/slots"].batched_positions = geometry.lifted(slots, self._sizes.z(3))
             self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3), state.away)
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)

@@ -220,8 +220,9 @@ def test_an_installed_module_is_refused_for_the_image_does_not_have_it(tmp_path:
 
 
 def test_a_run_that_is_recorded_has_one_more_service_with_a_volume() -> None:
-    text = compose_file(SCENARIO, load(SCENARIO), record=True)
+    text = compose_file(SCENARIO, load(SCENARIO), record=True, realtime=True)
     found = parsed(text)
+    assert [name for name, made in found["services"].items() if "--realtime" in made["command"]] == ["world"]
     assert found["services"].keys() - all_services().keys() == {"recorder"}
     assert found["services"]["recorder"]["volumes"] == [f"keys:{KEYS}:ro", "records:/records"]
     assert found["volumes"] == {"keys": {}, "records": {}}

@@ -1,6 +1,6 @@
 """What the world needs of the robots' bodies, whatever moves them."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Protocol, runtime_checkable
 
 from formation.arrays import FloatArray
@@ -36,4 +36,13 @@ class Disturbed(Protocol):
 
     def disturb(self, disturbances: Sequence[Disturbance]) -> None:
         """These disturbances count from the next tick on, and no others."""
+        ...
+
+
+@runtime_checkable
+class Seeing(Protocol):
+    """Bodies whose robots may see their upstream neighbour."""
+
+    def close_over(self, away: Collection[int]) -> None:
+        """From now on the neighbours are those in the ring of the robots that are not away."""
         ...

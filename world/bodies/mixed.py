@@ -1,6 +1,6 @@
 """Simulated bodies and real ones side by side: a real robot is where it says, and its simulated body is put there."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -51,6 +51,10 @@ class MixedBodies:
     def disturb(self, disturbances: Sequence[Disturbance]) -> None:
         """As WheeledBodies; a real robot is not moved by it."""
         self._simulated.disturb(disturbances)
+
+    def close_over(self, away: Collection[int]) -> None:
+        """As WheeledBodies."""
+        self._simulated.close_over(away)
 
     @property
     def poses(self) -> FloatArray:

@@ -3,7 +3,8 @@
 A class `Name(scenario)` with `poses`, `measure()` and `move(inputs)`; optionally `odometry`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ class OwnBodies:
         self._folder = folder_of(make)
         self._own: Any = self._call(lambda: make(scenario))
         self._inputs: FloatArray = np.zeros((scenario.size, 2))
+        self._closed = False
         self.poses = self._poses()
         """(n, 3) true poses now, read-only [m, m, rad]."""
 
@@ -42,9 +44,17 @@ class OwnBodies:
             return frozen(self._inputs)
         return self._array("odometry", self._own.odometry, 2)
 
+    def close_over(self, away: Collection[int]) -> None:
+        """The class may have a method for it; else nobody sees a neighbour while a robot is away."""
+        self._closed = bool(away) and not hasattr(self._own, "close_over")
+        if not self._closed and hasattr(self._own, "close_over"):
+            self._call(lambda: self._own.close_over(away))
+
     def measure(self) -> Measured | None:
         """What sensors deliver at this tick: poses (n, 3), nothing, or a Measured."""
         found = self._call(self._own.measure)
+        if isinstance(found, Measured) and self._closed:
+            return replace(found, relatives=NO_PLACES)
         if found is None or isinstance(found, Measured):
             return found
         robots = list(range(1, self._size + 1))

@@ -1,7 +1,7 @@
 """Sensors of the bodies: localisation that is late, noisy, sometimes far off or absent, and relative sensing."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from formation.arrays import FloatArray, read_only
 from formation.bodies.nominal import Nominal
 from formation.disturbances import Disturbance
+from formation.pattern import upstream
 from formation.scenario.scenario import Scenario
 from network.values import NO_PLACES
 from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
@@ -50,6 +51,13 @@ class Sensors:
         self._noisy = bool(self._spread.any()) or self._share > 0.0
         self._everybody = list(range(1, n + 1))
         self._past: deque[FloatArray] = deque(maxlen=nominal.age + 1)
+        self._upstream: list[int] | None = None
+        """Row of the robot that each one sees, where the ring is closed over some."""
+
+    def close_over(self, away: Collection[int]) -> None:
+        """From now on robots see those upstream in the ring of those who are not away."""
+        n = len(self._everybody)
+        self._upstream = [upstream(robot, n, away) - 1 for robot in self._everybody] if away else None
 
     def measure(self, tick: int, poses: FloatArray) -> Measured | None:
         """What arrives at this tick, at which the robots are at poses (n, 3); call once a tick, in order."""
@@ -73,22 +81,24 @@ class Sensors:
             seen = np.array(seen)
             seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
         sigma = self._nominal.relative
-        relatives = NO_PLACES if sigma is None else read_only(_relative(poses) + sigma * self._relative.at(tick))
+        relatives = NO_PLACES if sigma is None else read_only(self._related(poses) + sigma * self._relative.at(tick))
         return Measured(tick, seen if seen is poses else read_only(seen), robots, relatives)
+
+    def _related(self, poses: FloatArray) -> FloatArray:
+        """(n, 2): where each robot's upstream neighbour is, in its own frame [m]."""
+        places, found = poses[:, :2], np.empty((len(poses), 2))
+        if self._upstream is None:
+            found[1:] = places[:-1] - places[1:]
+            found[0] = places[-1] - places[0]
+        else:
+            found[:] = places[self._upstream] - places
+        c, s, x, y = np.cos(poses[:, 2]), np.sin(poses[:, 2]), found[:, 0].copy(), found[:, 1].copy()
+        found[:, 0] = c * x + s * y
+        found[:, 1] = c * y - s * x
+        return found
 
     def _blind(self, tick: int) -> set[int]:
         """Numbers of the robots that localisation does not see at a tick."""
         now = tick * self._dt
         dropped = {entry.robot for entry in self._dropouts if entry.at <= now + 1e-9 < entry.until}
         return dropped | {entry.robot for entry in self.disturbances if entry.blind and entry.on(now)}
-
-
-def _relative(poses: FloatArray) -> FloatArray:
-    """(n, 2): where each robot's upstream neighbour is, in its own frame [m]."""
-    places, found = poses[:, :2], np.empty((len(poses), 2))
-    found[1:] = places[:-1] - places[1:]
-    found[0] = places[-1] - places[0]
-    c, s, x, y = np.cos(poses[:, 2]), np.sin(poses[:, 2]), found[:, 0].copy(), found[:, 1].copy()
-    found[:, 0] = c * x + s * y
-    found[:, 1] = c * y - s * x
-    return found

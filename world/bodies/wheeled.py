@@ -8,7 +8,7 @@ carried by a disturbance's drift and by gusts.
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -93,6 +93,10 @@ class WheeledBodies:
     def disturb(self, disturbances: Sequence[Disturbance]) -> None:
         """These disturbances count from the next tick on, and no others."""
         self._disturbances = self._sensors.disturbances = disturbances
+
+    def close_over(self, away: Collection[int]) -> None:
+        """From now on robots see their neighbours in the ring of those who are not away."""
+        self._sensors.close_over(away)
 
     def measure(self) -> Measured | None:
         """What sensors deliver at this tick; call once a tick."""

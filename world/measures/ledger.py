@@ -125,7 +125,7 @@ class Ledger:
         off = [(x - u, y - v) for (x, y, _), (u, v, _) in zip(poses.tolist(), slots.tolist(), strict=True)]
         before = off[-1:] + off[:-1]
         gaps = [(x - u, y - v) for (x, y), (u, v) in zip(off, before, strict=True)]
-        return max(x * x + y * y for x, y in gaps) <= self._square_limit
+        return bool(max(x * x + y * y for x, y in gaps) <= self._square_limit)
 
     def _update(self, now: float, errors: list[float]) -> list[str]:
         lines = []

@@ -180,10 +180,11 @@ def _plays_alone(browser: "Browser", replay: Path) -> None:
     alone.close()
 
 
-def test_pause_stops_motion_and_start_goes_on(page: Driven) -> None:
+def test_pause_stops_motion_and_start_goes_on(page: Driven, run: BrowserRun) -> None:
     page.press("Pause")
     page.wait_text("PAUSED")
-    page.page.wait_for_timeout(300)
+    poses = run.state().poses[:, :2]
+    page.until(lambda: np.allclose(page.bodies()[:, :2], poses, atol=1e-5), "robots where they stopped")
     before = page.bodies()
     page.page.wait_for_timeout(400)
     np.testing.assert_array_equal(page.bodies(), before)

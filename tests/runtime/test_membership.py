@@ -217,6 +217,9 @@ def test_a_record_of_it_is_verified_and_a_ghost_repeats_what_users_ask(tmp_path:
     record(tmp_path / "run.mcap", scenario("duration=5", "link.loss=0.2"))
     (verdict,) = verify(read(tmp_path / "run.mcap"))
     assert (verdict.difference, verdict.ticks) == ("", 501)
+    (episode,) = read(tmp_path / "run.mcap").episodes
+    _, distance, _ = episode.errors[max(episode.errors)]
+    assert np.flatnonzero(np.isnan(distance)).tolist() == [1]
     shown = [row for row in rows(tmp_path / "run.mcap") if row.state.stamp > AWAY[0] + 0.7]
     assert {(tuple(row.state.away), float(row.state.distance_errors[1])) for row in shown} == {((2,), 0.0)}
     assert str(shown[-1].statuses[3].link) == "1->3"

@@ -156,6 +156,13 @@ def test_with_another_leader_the_formation_goes_on(name: str) -> None:
     assert np.abs(distance[alone]).max() < 0.01
 
 
+def test_followers_follow_the_next_robot_if_the_first_leaves() -> None:
+    settings = ["controller.name=leader_follower", "path.radius=0.5", "membership.changes=[{robot=1, leave=1}]"]
+    simulation = Simulation(load("ring-16", ["formation.robots=5", "duration=5", *settings]))
+    simulation.simulate()
+    assert simulation.trace.errors()[2][-1] < 0.05
+
+
 def test_with_close_those_who_stay_take_the_shape_for_as_many_as_they_are_in_both_engines() -> None:
     task = scenario("membership.shape=close")
     simulation = Simulation(task)

@@ -1,6 +1,6 @@
 """What viewers see of a formation besides robots: lines in the map, as markers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -18,10 +18,14 @@ WIDTH = 0.004
 """Of lines [m]."""
 
 
-def edges(poses: FloatArray, errors: FloatArray) -> Lines:
-    """From every robot to the one upstream of it, the redder the larger the error (n,) of their distance [m]."""
-    ends = np.stack([poses[:, :2], np.roll(poses[:, :2], 1, axis=0)], axis=1).reshape(-1, 2)
-    shares = np.minimum(np.abs(errors) / LARGE_ERROR, 1.0)
+def edges(poses: FloatArray, errors: FloatArray, away: Collection[int] = ()) -> Lines:
+    """From every robot to the one upstream of it, the redder the larger the error (n,) of their distance [m].
+
+    The ring is closed over robots that are away.
+    """
+    ring = [row for row in range(len(poses)) if row + 1 not in away]
+    ends = np.stack([poses[ring, :2], np.roll(poses[ring, :2], 1, axis=0)], axis=1).reshape(-1, 2)
+    shares = np.minimum(np.abs(errors[ring]) / LARGE_ERROR, 1.0)
     return Lines("edges", ends, [_mixed(float(share)) for share in shares], WIDTH)
 
 

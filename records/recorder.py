@@ -11,7 +11,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.bodies.spec import Bodies
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, tracking_error
+from formation.metrics import pattern_errors, tracking_error, tracking_error_of_some
 from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import to_text
@@ -56,6 +56,8 @@ class _Episode:
     """That have been written."""
     faulty: frozenset[str] = frozenset()
     """Links that are not perfect."""
+    away: frozenset[int] = frozenset()
+    """Robots over which the ring is closed."""
     event: int = 0
     """Number of the newest event that has been written."""
 
@@ -150,6 +152,8 @@ class Recorder:
         """What an order means for the rest of the record."""
         if order.kind == "agents":  # what an agent knows that began in the middle is nowhere else
             episode.again = False
+        if order.kind == "ring":
+            episode.away = frozenset(order.value["away"])
         if order.kind != "faults":
             return
         at = self._time(episode, order.tick)
@@ -197,10 +201,18 @@ class Recorder:
             self._write(f"/{robot}/cmd_vel", "geometry_msgs/TwistStamped", at, commanded)
         if stretch.seq % SLOWER:
             return
-        distance, angle = pattern_errors(poses, slots)
-        tracking = float(tracking_error(poses, stretch.centre[:2]))
+        away = episode.away
+        distance, angle = pattern_errors(poses, slots, away)
+        if away:
+            tracking = float(tracking_error_of_some(poses, slots, away))
+            distance[[robot - 1 for robot in away]] = angle[[robot - 1 for robot in away]] = np.nan
+        else:
+            tracking = float(tracking_error(poses, stretch.centre[:2]))
         self._write("/metrics", "echelon_msgs/Metrics", at, messages.metrics(at, tracking, distance, angle))
-        drawn = [pictures.edges(poses, distance), pictures.ways_to(slots, poses), pictures.links(poses, self._ages)]
+        ages, n = self._ages, episode.robots
+        ages = {link: age for link, age in ages.items() if link == LinkId.plans_to(link.receiver, n, away)}
+        edges = pictures.edges(poses, distance, away)
+        drawn = [edges, pictures.ways_to(slots, poses), pictures.links(poses, ages)]
         self._write("/markers", "visualization_msgs/MarkerArray", at, messages.markers(at, drawn))
         clearance, gap = _nearest(poses, episode.radii)
         self._write("/contacts", "echelon_msgs/Contacts", at, messages.contacts(at, clearance, gap))

@@ -51,6 +51,8 @@ class FaultState:
 
     def update(self, now: float) -> list[tuple[LinkId, Fault]]:
         """Update the table to time `now` [s]. Returns the links that changed, with what they have now."""
+        if self._active == () and not self._wishes and not self.scenario.faults:
+            return []
         wishes = [wish for wish in self._wishes if wish.until is None or now < wish.until - 1e-9]
         active = tuple(i for i, entry in enumerate(self.scenario.faults) if _on(entry, now))
         if active == self._active and len(wishes) == len(self._wishes):

@@ -58,7 +58,7 @@ class Follower:
 
 
 class Leader:
-    """Robot 1: `nash` with a neighbour that is always in its slot, so that the leader waits for no robot."""
+    """Robot 1, or the next that has not left: `nash` with a neighbour in its slot, so that it waits for no robot."""
 
     def __init__(self, scenario: Scenario, robot: int, task: Task) -> None:
         self._task, self._nash = (
@@ -74,4 +74,4 @@ class Leader:
 
 def make(scenario: Scenario, robot: int, task: Task) -> Leader | Follower:
     """The controller of one robot."""
-    return (Leader if robot == 1 else Follower)(scenario, robot, task)
+    return (Leader if robot == task.first else Follower)(scenario, robot, task)

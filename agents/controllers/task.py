@@ -40,6 +40,8 @@ class Task:
         """Its number, from 1, and how many there are."""
         self.members = scenario.size - len(away)
         """How many of them are in the ring."""
+        self.first = leader(away, follows=True)
+        """The first of them."""
         other, self.further, after = neighbours(robot, scenario.size, away)
         self._columns = columns = [robot, other, self.further, after]
         self._rounded = rounded = spec_of(controller).rounds_corners

@@ -13,6 +13,7 @@ from cli.live.talk import newest_state
 from cli.options import add_run, session
 from formation.errors import WireError
 from network import topics
+from network.access.robot_numbers import spelled
 from network.bus import Bus, Sample
 from network.codec import decode
 from network.messages import State, Status
@@ -97,7 +98,7 @@ def _plain(state: State) -> dict[str, object]:
 
 def _print(name: str, page: str, state: State) -> None:
     console = Console()
-    waiting = f", waiting for agents {', '.join(map(str, state.waiting_for))}" if state.waiting_for else ""
+    waiting = f", waiting for agents {spelled(state.waiting_for)}" if state.waiting_for else ""
     console.print(
         f"{name}: {state.status} at t = {state.stamp:.2f} s, {state.scenario} with {state.controller}, "
         f"{state.mode} at x{state.pace:.2g}{waiting}",

@@ -132,7 +132,7 @@ class DisplayNode:
         current = self._current(state)
         ages: dict[LinkId, float] = {status.link: status.age for status in current}
         drawn = [
-            pictures.edges(state.poses, state.distance_errors),
+            pictures.edges(state.poses, state.distance_errors, state.away),
             pictures.ways_to(state.slots, state.poses),
             pictures.links(state.poses, ages),
             pictures.curves("plans", [_rolled(one.plan) for one in current if one.plan], pictures.BLUE),

@@ -156,6 +156,13 @@ def test_with_another_leader_the_formation_goes_on(name: str) -> None:
     assert np.abs(distance[alone]).max() < 0.01
 
 
+def test_followers_follow_the_next_robot_if_the_first_leaves() -> None:
+    settings = ["controller.name=leader_follower", "path.radius=0.5", "membership.changes=[{robot=1, leave=1}]"]
+    simulation = Simulation(load("ring-16", ["formation.robots=5", "duration=5", *settings]))
+    simulation.simulate()
+    assert simulation.trace.errors()[2][-1] < 0.05
+
+
 def test_with_close_those_who_stay_take_the_shape_for_as_many_as_they_are_in_both_engines() -> None:
     task = scenario("membership.shape=close")
     simulation = Simulation(task)
@@ -210,6 +217,9 @@ def test_a_record_of_it_is_verified_and_a_ghost_repeats_what_users_ask(tmp_path:
     record(tmp_path / "run.mcap", scenario("duration=5", "link.loss=0.2"))
     (verdict,) = verify(read(tmp_path / "run.mcap"))
     assert (verdict.difference, verdict.ticks) == ("", 501)
+    (episode,) = read(tmp_path / "run.mcap").episodes
+    _, distance, _ = episode.errors[max(episode.errors)]
+    assert np.flatnonzero(np.isnan(distance)).tolist() == [1]
     shown = [row for row in rows(tmp_path / "run.mcap") if row.state.stamp > AWAY[0] + 0.7]
     assert {(tuple(row.state.away), float(row.state.distance_errors[1])) for row in shown} == {((2,), 0.0)}
     assert str(shown[-1].statuses[3].link) == "1->3"

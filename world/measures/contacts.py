@@ -103,6 +103,7 @@ class AtLimits:
     def __init__(self, scenario: Scenario) -> None:
         robots = range(1, scenario.size + 1)
         self._limits = np.array([_limits(scenario, robot) for robot in robots]) - AT_LIMIT
+        self._few: list[list[float]] = self._limits.tolist()
         self._arena, self._dt = scenario.bodies.arena, scenario.control_interval
         self._at_limit, self._outside, self._kept_off = (np.zeros(scenario.size, dtype=int) for _ in range(3))
         self._kept_at = np.full(scenario.size, -np.inf)
@@ -120,8 +121,11 @@ class AtLimits:
 
     def add(self, inputs: FloatArray, poses: FloatArray) -> None:
         """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
-        at = np.abs(inputs) >= self._limits
-        if at.any():
+        few = len(inputs) <= FEW
+        if not few or any(
+            abs(v) >= a or abs(w) >= b for (v, w), (a, b) in zip(inputs.tolist(), self._few, strict=True)
+        ):
+            at = np.abs(inputs) >= self._limits
             self._at_limit += at[:, 0] | at[:, 1]
         if self._arena is not None:
             low, high = self._arena[:2], self._arena[2:]

@@ -53,7 +53,7 @@ class Convergence:
                 if robot not in self._failed_at:
                     changes.append((robot, False))
                 self._failed_at[robot] = now
-            elif now - self._failed_at.get(robot, now) >= RECOVERED_SECONDS - 1e-9:
+            elif robot in self._failed_at and now - self._failed_at[robot] >= RECOVERED_SECONDS - 1e-9:
                 del self._failed_at[robot]
                 changes.append((robot, True))
         return changes

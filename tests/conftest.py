@@ -1,7 +1,7 @@
 """What every test may rely on: reproducible examples, without a time limit (a kernel may load on the first).
 
-`./echelon test` runs three at a time: those of the page one by one, those of live runs one by one, and the others file
-by file. Who watches the clock goes before: a browser without a graphics card wants both cores.
+`./echelon test` runs two at a time: those that watch the clock one by one, which are the page's and then those of live
+runs; beside them all others, file by file, which give way: a browser without a graphics card wants both cores.
 """
 
 import os
@@ -12,9 +12,10 @@ from hypothesis import settings
 
 from runtime.precompile import ensure_compiled
 
-GIVES_WAY = {"tests/browser": 0, "tests/processes": 5}
-"""Folders of tests that watch the clock, each with a worker of its own and how nice that is; the first goes before."""
+WATCH_THE_CLOCK = ("tests/browser/", "tests/processes/")
+"""Folders of tests that do; one worker takes them all, in this order."""
 OTHERS_GIVE_WAY = 10
+"""How nice the others are."""
 
 settings.register_profile("echelon", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.load_profile("echelon")
@@ -28,7 +29,7 @@ def pytest_xdist_setupnodes() -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Gives a worker one file after the other; a folder of GIVES_WAY is as one file."""
+    """Gives a worker one file after the other; all of WATCH_THE_CLOCK are as one file."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):  # type: ignore[misc]
@@ -39,15 +40,14 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def group_of(file: str) -> str:
-    return next((folder for folder in GIVES_WAY if file.startswith(folder + "/")), file)
+    return "the clock" if file.startswith(WATCH_THE_CLOCK) else file
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest first."""
-    order = {folder: rank for rank, folder in enumerate(GIVES_WAY)}
-    items.sort(key=lambda item: order.get(group_of(item.location[0]), len(order)))
+    items.sort(key=lambda item: not item.location[0].startswith(WATCH_THE_CLOCK))
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        os.nice(max(0, GIVES_WAY.get(group_of(item.location[0]), OTHERS_GIVE_WAY) - os.nice(0)))
+    if "PYTEST_XDIST_WORKER" in os.environ and not item.location[0].startswith(WATCH_THE_CLOCK):
+        os.nice(max(0, OTHERS_GIVE_WAY - os.nice(0)))

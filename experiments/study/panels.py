@@ -22,6 +22,7 @@ SHOWN = {
     "1/s": ("1/s", 1.0),
     "B/s": ("kB/s", 1e-3),
     "pairs": ("pairs", 1.0),
+    "times": ("times", 1.0),
     "1": ("%", 100.0),
 }
 """SI unit: what a figure shows, and how many of it."""

@@ -80,6 +80,7 @@ def silence(run: MemoryRun, robots: tuple[int, ...], length: float) -> None:
 
 def standstill(run: MemoryRun, length: float, delays: tuple[float, ...]) -> None:
     """Everybody is suspended, the router too: afterwards every lease is over, and every link is made anew."""
+    run.run(1e-3, lambda: run.finished)  # a world that has not looked at its clock yet cannot have stood still
     run.suspend(*ROBOTS, world=True)
 
     def go_on() -> None:

@@ -52,9 +52,9 @@ def _placed(poses: FloatArray) -> FloatArray:
     return found
 
 
-def _drawn(poses: FloatArray) -> list[bytes]:
-    """As `_placed`, rounded, encoded pose by pose."""
-    return [row.tobytes() for row in np.round(_placed(poses) * _STEPS) / _STEPS]
+def _drawn(poses: FloatArray) -> FloatArray:
+    """As `_placed`, rounded (n, 7)."""
+    return np.asarray(np.round(_placed(poses) * _STEPS) / _STEPS)
 
 
 def _twist(velocity: FloatArray) -> tuple[float, ...]:
@@ -93,7 +93,7 @@ def transforms(stamp: int, frames: Iterable[tuple[str, FloatArray]]) -> bytes:
     for (child, _), pose in zip(placed, drawn, strict=True):
         _header(cdr, stamp, MAP)
         cdr.text(child)
-        cdr.raw(pose, 8)
+        cdr.array("d", pose)
     return bytes(cdr)
 
 
@@ -105,7 +105,7 @@ def path(stamp: int, poses: FloatArray, stamps: Sequence[int]) -> bytes:
     if len(poses):
         _header(cdr, stamps[0], MAP)
         rows = np.zeros(len(poses), _POSE_THEN_HEADER)
-        rows["pose"] = np.round(_placed(poses) * _STEPS) / _STEPS
+        rows["pose"] = _drawn(poses)
         rows["sec"][:-1], rows["nanosec"][:-1] = np.divmod(np.array(stamps[1:], dtype=np.int64), 10**9)
         rows["frame"] = string(MAP)
         cdr.raw(rows.tobytes()[: -_HEADER.itemsize], 8)

@@ -13,6 +13,8 @@ from multiprocessing.context import ForkProcess
 
 RESTART_SECONDS = 0.2
 """Delay before a process that ended is started again [s]."""
+LOOK_SECONDS = 1.0
+"""Longest wait [s]: a signal that comes just before it begins does not end it."""
 MAX_DEATHS = 20
 """Processes that end so often end all: something is wrong that no restart mends."""
 STOP_SECONDS = 3.0
@@ -48,7 +50,7 @@ def run_each(robots: Iterable[int], run: Callable[[int], int]) -> int:
         for robot in sorted(robots):
             running[robot] = started(robot)
         while True:
-            wait([process.sentinel for process in running.values()])
+            wait([process.sentinel for process in running.values()], timeout=LOOK_SECONDS)
             for robot in [robot for robot, process in running.items() if process.exitcode is not None]:
                 code = running[robot].exitcode or 0
                 deaths += 1

@@ -5,6 +5,7 @@ import logging
 import sys
 from pathlib import Path
 from queue import SimpleQueue
+from time import monotonic, sleep
 
 from formation.errors import EchelonError
 from network.access.keys import Keys
@@ -12,6 +13,9 @@ from network.arguments import add_keys
 from network.lifetime import Lifetime
 from network.run_folder import remove
 from network.zenoh_bus import Router
+
+UNLOCK_SECONDS = 1.0
+"""Longest time from the sight of a launcher's exit to the release of its locks [s]."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -35,7 +39,10 @@ def main(arguments: list[str] | None = None) -> int:
         wake.get()
     router.close()
     if options.folder:
-        remove(Path(options.folder))  # a launcher that is alive removes it itself
+        # A launcher that is alive removes it itself; one that is being killed holds the lock until it is gone.
+        until = monotonic() + UNLOCK_SECONDS
+        while not remove(Path(options.folder)) and lifetime.abandoned and monotonic() < until:
+            sleep(0.02)
     return 0
 
 

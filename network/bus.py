@@ -218,7 +218,7 @@ class Bus(Protocol):
             yield from self.arrivals(left)
 
     def wake(self) -> None:
-        """Wake the reader that waits for arrivals; safe in a signal handler."""
+        """Wake the reader that waits for arrivals; safe in any thread and in a signal handler."""
         self.inbox.put(Wake())
 
     def ask(self, what: Operation | Request, *, timeout: float = 2.0) -> Reply | None:

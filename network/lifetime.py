@@ -21,28 +21,41 @@ class Lifetime:
         """Install the handlers; call from the main thread.
 
         Args:
-            on_end: called when the end is due, in a signal handler: wake the loop here.
+            on_end: called when the end is due, in a thread of its own: wake the loop here.
         """
         self._over = False
         self._on_end = on_end
-        signal.signal(signal.SIGTERM, self._end)
         parent = parent_process()
+        # Python runs a handler once the main thread is back from what it waits for, and a signal that comes just before
+        # it begins to wait interrupts nothing. So the handlers do nothing, and a thread reads from a pipe what came.
+        signals, heard = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        signal.set_wakeup_fd(heard)
+        signal.signal(signal.SIGTERM, _heed)
         # Ctrl-C reaches every process of a terminal: the launcher then ends its children in order.
-        signal.signal(signal.SIGINT, self._end if parent is None else signal.SIG_IGN)
-        if parent is not None:
-            threading.Thread(target=self._outlive, args=(parent.sentinel,), daemon=True).start()
+        signal.signal(signal.SIGINT, _heed if parent is None else signal.SIG_IGN)
+        self._launcher = [] if parent is None else [parent.sentinel]
+        threading.Thread(target=self._watch, args=(signals,), daemon=True).start()
 
     @property
     def over(self) -> bool:
         """Whether to end now."""
         return self._over
 
-    def _end(self, *_: object) -> None:
+    @property
+    def abandoned(self) -> bool:
+        """Whether the launcher has exited."""
+        return bool(self._launcher) and bool(wait(self._launcher, timeout=0.0))
+
+    def _watch(self, signals: int) -> None:
+        """Wait for the first signal or the launcher's end; and after the latter, end the process if it does not end."""
+        wait([signals, *self._launcher])
         self._over = True
         self._on_end()
+        if self._launcher:
+            wait(self._launcher)
+            time.sleep(GRACE_SECONDS)
+            os._exit(1)
 
-    def _outlive(self, launcher: int) -> None:
-        wait([launcher])
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(GRACE_SECONDS)
-        os._exit(1)
+
+def _heed(*_: object) -> None:
+    """Not the end of the process, as without a handler."""

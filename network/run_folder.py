@@ -31,18 +31,27 @@ def lock(path: Path) -> IO[bytes] | None:
     return None
 
 
-def remove(path: Path, held: IO[bytes] | None = None) -> None:
+def remove(path: Path, held: IO[bytes] | None = None) -> bool:
     """Remove the folder if no other process holds its lock, and its parent folder if it was the last.
+
+    It gets another name first: a world that still saves its run there finds no folder, and so adds nothing to it.
 
     Args:
         path: the run's folder.
         held: its lock, if the caller holds it; it is released.
+
+    Returns:
+        Whether there is no such folder now.
     """
     file = held or lock(path)
     if file is None:
-        return
-    shutil.rmtree(path, ignore_errors=True)
+        return not path.exists()
+    unnamed = path.with_name(f".removed-{path.name}-{os.getpid()}")
+    with contextlib.suppress(OSError):
+        path.rename(unnamed)
+    shutil.rmtree(unnamed, ignore_errors=True)
     file.close()
     if not os.environ.get(VARIABLE):
         with contextlib.suppress(OSError):  # other runs are in it
             path.parent.rmdir()
+    return not path.exists()

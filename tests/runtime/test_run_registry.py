@@ -1,5 +1,8 @@
 """Laws of the list of live runs: a name and a page's port belong to one run, and nothing is left of a claim."""
 
+import contextlib
+import itertools
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -36,3 +39,25 @@ def test_a_claim_that_cannot_be_entered_leaves_nothing(runs: Path, monkeypatch: 
     with pytest.raises(EchelonError, match="No space left"):
         Claim("one")
     assert not list(runs.iterdir())
+
+
+def test_nothing_is_left_of_a_run_whose_world_still_writes(runs: Path) -> None:
+    """A launcher that is killed leaves the folder to the router, while the world goes on saving there for a moment."""
+    written, enough = threading.Event(), threading.Event()
+
+    def save(folder: Path) -> None:
+        with contextlib.suppress(FileNotFoundError):
+            for number in itertools.takewhile(lambda _: not enough.is_set(), itertools.count()):
+                (folder / f"save-{number}").touch()
+                written.set()
+
+    for _ in range(20):
+        written.clear()
+        enough.clear()
+        with Claim("one") as claim:
+            world = threading.Thread(target=save, args=(claim.path,))
+            world.start()
+            written.wait()
+        enough.set()
+        world.join()
+        assert not list(runs.iterdir())

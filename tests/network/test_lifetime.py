@@ -1,0 +1,22 @@
+"""Laws of a process's end: whichever thread a signal reaches, and whenever, the loop of the process hears of it."""
+
+import subprocess
+import sys
+
+WAITS = """
+import os, signal
+from queue import SimpleQueue
+from network.lifetime import Lifetime
+wake = SimpleQueue()
+lifetime = Lifetime(lambda: wake.put(None))
+signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # the main thread alone: another one gets the signal
+print(lifetime.over)
+os.kill(os.getpid(), signal.SIGTERM)
+wake.get()
+print(lifetime.over)
+"""
+
+
+def test_a_signal_that_does_not_interrupt_the_wait_ends_it() -> None:
+    done = subprocess.run([sys.executable, "-c", WAITS], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split() == ["False", "True"]

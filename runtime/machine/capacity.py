@@ -16,7 +16,6 @@ from network import topics
 from network.codec import decode, encode
 from network.messages import Command, Plan, Tick
 from network.zenoh_bus import Router, ZenohBus
-from runtime.inprocess import Simulation
 
 ROBOTS = 8
 """Of the simulation that is measured."""
@@ -58,6 +57,8 @@ def cores() -> int:
 
 def _work() -> float:
     """Of one agent in a tick, with what it encodes and decodes, and what the world does for it [s]."""
+    from runtime.inprocess import Simulation  # noqa: PLC0415  half a second, for numba; who starts a run has no use
+
     simulation = Simulation(load("ring-16", {"formation": {"robots": ROBOTS}}))
     for _ in range(TICKS):
         answers = simulation.step()

@@ -44,3 +44,14 @@ def test_a_reader_that_has_enough_ends_it_quietly() -> None:
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False, timeout=60)
     assert done.stdout == "{\n"
     assert done.stderr == ""
+
+
+def test_no_command_loads_what_its_processes_are_for() -> None:
+    """A launcher that loaded numba with all kernels was half a second late, and nothing else showed it."""
+    heavy = {"numba", "matplotlib", "viser", "scipy", "mujoco", "pyarrow"}
+    code = (
+        "import sys; from cli.main import whole_parser; whole_parser(); "
+        f"print(*sorted({heavy!r}.intersection(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split() == []

@@ -6,12 +6,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import IO, Self
 
 from formation.scenario.overrides import from_settings, to_json
-from network.control import Operation
+from network.access.robot_numbers import spelled
+from network.control import Operation, Pause, Start, UseScenario
 from network.messages import Ghost, State
 from tests.browser.watch import Watch
 
@@ -30,6 +31,7 @@ class BrowserRun:
         *,
         world: str = "world",
         settings: Sequence[str] = (),
+        alone: Collection[int] | None = None,
     ) -> None:
         """Start everything.
 
@@ -39,6 +41,7 @@ class BrowserRun:
             agents: how many of them get an agent, if not all.
             world: its module.
             settings: key=value of the scenario.
+            alone: whose agent has a process of its own, which a test can kill; the others share one. None: all.
         """
         self._folder = tempfile.TemporaryDirectory(prefix="echelon-")
         self.endpoint = f"unixsock-stream/{self._folder.name}/router"
@@ -49,8 +52,13 @@ class BrowserRun:
             self._wait_for(Path(self._folder.name, "router"))
             changes = ["--overrides", to_json(from_settings(settings))]
             self.start("world", world, *self._run, "--scenario", scenario, "--endless", *changes)
-            for robot in range(1, (robots if agents is None else agents) + 1):
-                self.start_agent(robot)
+            here = range(1, (robots if agents is None else agents) + 1)
+            together = [] if alone is None else [robot for robot in here if robot not in alone]
+            for robot in here:
+                if robot not in together:
+                    self.start_agent(robot)
+            if together:
+                self.start("agents", "agents", *self._run, "--together", "--ids", spelled(together))
             self.start("ghost", "runtime.ghost", *self._run)
             self.url = self.start_dashboard()
         except BaseException:
@@ -99,6 +107,17 @@ class BrowserRun:
         found = re.fullmatch(r"dashboard: (http://127\.0\.0\.1:\d+)\n", line)
         assert found, f"expected the dashboard's address; got {line!r}"
         return found[1]
+
+    def begin(self, scenario: str, *settings: str) -> None:
+        """Another scenario on a dashboard that has seen nothing yet: as in a run of its own, for less."""
+        self.end("dashboard")
+        self.ask(UseScenario(scenario=scenario, overrides=from_settings(settings)))
+        self.ask(Start())
+        self.url = self.start_dashboard()
+
+    def rest(self) -> None:
+        """Take no processor time from other tests until it begins again."""
+        self.ask(Pause())
 
     def state(self, seconds: float = 10.0) -> State:
         """The next state."""

@@ -2,7 +2,8 @@
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,16 @@ READY = """() => {
   return t && t.rendererInfo && t.rendererInfo.render.frame > 1 && window.__viserSceneTree
     && window.__viserSceneTree.getState()["/bodies"] !== undefined;
 }"""
+LIGHTER = """(() => {
+  const context = HTMLCanvasElement.prototype.getContext, frame = window.requestAnimationFrame.bind(window), held = [];
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return context.call(this, kind, kind.startsWith("webgl") ? {...options, antialias: false} : options);
+  };
+  let rests = false;
+  window.requestAnimationFrame = draw => frame(now => rests ? held.push(draw) : draw(now));
+  window.__rest = on => { rests = on; if (!on) held.splice(0).forEach(draw => window.requestAnimationFrame(draw)); };
+})()"""
+"""Smooth edges are a third of a frame when the processor draws it; a page that rests leaves it to another one."""
 PIXEL = """([x, y, z]) => {
   const camera = window.__viserMutable.camera, canvas = window.__viserMutable.canvas;
   const apply = (m, v) => [0, 1, 2, 3].map(r => m[r] * v[0] + m[r + 4] * v[1] + m[r + 8] * v[2] + m[r + 12] * v[3]);
@@ -52,6 +63,7 @@ class Driven:
         self.errors: list[str] = []
         self.requests: list[str] = []
         self.page = browser.new_page(viewport={"width": width, "height": height})
+        self.page.add_init_script(LIGHTER)
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", self._note_request)
@@ -69,6 +81,13 @@ class Driven:
         self.url = url
         self.page.goto(f"{url}/?fixedDpr=1" + (f"&token={self._token}" if self._token else ""))
         self.page.wait_for_function(READY, timeout=120_000, polling=100)
+
+    @contextmanager
+    def at_rest(self) -> Iterator[None]:
+        """It draws nothing meanwhile."""
+        self.page.evaluate("window.__rest(true)")
+        yield
+        self.page.evaluate("window.__rest(false)")
 
     @property
     def frames(self) -> int:

@@ -35,9 +35,10 @@ NEWEST = """() => Object.values(window.__viserTestpoints.uplots).map(
 
 
 @pytest.fixture(scope="module")
-def run() -> Iterator[BrowserRun]:
-    with BrowserRun("triangle-circle", robots=3) as running:
-        yield running
+def run(shared_run: BrowserRun) -> Iterator[BrowserRun]:
+    shared_run.begin("triangle-circle")
+    yield shared_run
+    shared_run.rest()
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +119,8 @@ def test_a_cell_of_the_link_matrix_becomes_the_target_of_faults(page: Driven, ru
 
 
 def test_two_pages_agree(browser: "Browser", page: Driven, run: BrowserRun) -> None:
-    other = Driven(browser, run.url, width=640, height=420)
+    with page.at_rest():
+        other = Driven(browser, run.url, width=640, height=420)
     page.click_cell("link 1")
     page.tick("Cut", True)
     other.wait_text(r"1→2\s+cut")
@@ -326,7 +328,7 @@ def test_another_controller_is_seen_as_a_ghost_beside_its_errors(page: Driven, r
     assert np.abs(ghosts(page) - page.bodies()).max() > 1e-3
     live, other = 1e3 * np.abs(state.distance_errors).max(), 1e3 * np.abs(message.distance_errors).max()
     page.until(lambda: plotted(page)[0]["ghost"] == pytest.approx(other, rel=0.2), "ghost's error in the plot")
-    assert plotted(page)[0]["max"] == pytest.approx(live, rel=0.2, abs=1e-3)
+    page.until(lambda: plotted(page)[0]["max"] == pytest.approx(live, rel=0.2, abs=1e-3), "its own beside it")
     assert len(plotted(page)) == 3  # distance, angle, tracking
     assert all(lines["ghost"] > 0.0 for lines in plotted(page))
 

@@ -29,9 +29,10 @@ OVERLAY = """() => {
 
 
 @pytest.fixture(scope="module")
-def run() -> Iterator[BrowserRun]:
-    with BrowserRun("follow-the-leader", robots=4) as running:
-        yield running
+def run(shared_run: BrowserRun) -> Iterator[BrowserRun]:
+    shared_run.begin("follow-the-leader")
+    yield shared_run
+    shared_run.rest()
 
 
 @pytest.fixture(scope="module")

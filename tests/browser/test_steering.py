@@ -12,7 +12,6 @@ from formation.metrics import nearest
 from formation.paths.waypoints import Waypoints
 from formation.scenario.files import load
 from network.interventions import Move, Push
-from runtime.precompile import ensure_compiled
 from tests.browser.browser_run import BrowserRun
 from tests.browser.driven import Driven
 
@@ -23,18 +22,19 @@ pytestmark = [pytest.mark.browser, pytest.mark.processes]
 
 
 @pytest.fixture(scope="module")
-def driven(browser: "Browser") -> Iterator[tuple[BrowserRun, Driven]]:
-    ensure_compiled(print)
-    with BrowserRun("drive-me", 4, settings=["bodies=ideal"]) as run:
-        page = Driven(browser, run.url)
-        yield run, page
-        page.page.close()
+def driven(browser: "Browser", shared_run: BrowserRun) -> Iterator[tuple[BrowserRun, Driven]]:
+    shared_run.begin("drive-me", "bodies=ideal")
+    page = Driven(browser, shared_run.url)
+    yield shared_run, page
+    page.page.close()
+    shared_run.rest()
 
 
 @pytest.fixture(scope="module")
 def other(driven: tuple[BrowserRun, Driven], browser: "Browser") -> Driven:
     """Another page, in a small window, which draws in less time; a test closes it."""
-    return Driven(browser, driven[0].url, width=640, height=420)
+    with driven[1].at_rest():
+        return Driven(browser, driven[0].url, width=640, height=420)
 
 
 def has_the_wheel(page: Driven) -> None:

@@ -86,4 +86,8 @@ def rotate(angle: FloatArray, vectors: FloatArray) -> FloatArray:
     """Rot(angle) vectors: angle of shape (...), vectors of shape (..., 2), broadcast against each other."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+    along = c * x - s * y
+    found = np.empty((*along.shape, 2))
+    found[..., 0] = along
+    np.add(s * x, c * y, out=found[..., 1])
+    return found

@@ -132,9 +132,12 @@ def block_of(
     moved = centre[stride:] - centre[:-stride]
     turned = wrapped(theta[stride:] - theta[:-stride])
     speed = np.hypot(moved[:, 0], moved[:, 1]) / interval
+    path = np.empty((count, 5))
+    path[:, :2], path[:, 2], path[:, 3] = centre[:count], theta[:count], speed
+    np.divide(turned, interval, out=path[:, 4])
     return Block(
         first,
-        np.column_stack([centre[:count], theta[:count], speed, turned / interval]),
+        path,
         np.ascontiguousarray(slots[:count]),
         _inputs(slots[:-stride], slots[stride:], interval),
     )
@@ -146,4 +149,8 @@ def _inputs(now: FloatArray, later: FloatArray, interval: float) -> FloatArray:
     middle = now[..., 2] + turn / 2.0
     gap = later[..., :2] - now[..., :2]
     along = np.cos(middle) * gap[..., 0] + np.sin(middle) * gap[..., 1]
-    return np.stack([along / np.sinc(turn / (2.0 * np.pi)), turn], axis=-1) / interval
+    found = np.empty((*turn.shape, 2))
+    found[..., 0] = along / np.sinc(turn / (2.0 * np.pi))
+    found[..., 1] = turn
+    found /= interval
+    return found

@@ -7,10 +7,11 @@ references fades like a critically damped spring.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, IntArray
 from formation.metrics import wrapped
 from formation.offsets import Offsets
 from formation.pattern import rotate
@@ -58,6 +59,8 @@ class HeardReference:
         """
         self._offsets, self._tick, self._stride, self._revised = offsets, control_interval, stride, revised
         self._ahead = stride * (horizon + 1)
+        self._cubics = _cubics(stride, len(start))
+        self._ways = _ways_beyond(control_interval)
         self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
         self._returning = False
         self._take(start)
@@ -103,13 +106,12 @@ class HeardReference:
         if k > self._filled:
             self._fill(self._filled, k)
         whole, old_end = self.known and not self._returning, self.end
-        at = np.array([k, k + 1])
-        before = self._centre(at)
+        before = self._centre(k, k + 2)
         self._take(preview)
         self._joined, self._gap, self._slope = k, np.zeros(5), np.zeros(5)
         self._returning = False
         if self.known:
-            apart = before - self._centre(at)
+            apart = before - self._centre(k, k + 2)
             turns = slice(THETA - 1, None)
             apart[:, turns] = wrapped(apart[:, turns])
             if np.abs(apart).max() > CLOSED:
@@ -154,50 +156,50 @@ class HeardReference:
         passed = (ticks - self._joined)[:, None]
         return (self._gap + self._slope * passed) * np.exp(-RETURN * self._tick * passed)
 
-    def _centre(self, ticks: FloatArray) -> FloatArray:
-        """Path time, x, y, path's heading and facing (T, 5) at ticks (T,): preview, arc beyond it, and gap."""
-        found = self._inside(ticks)
-        beyond = ticks > self.end
-        if beyond.any():
-            found[beyond] = self._beyond((ticks[beyond] - self.end) * self._tick)
-        return found + self._gap_at(ticks) if self._returning else found
+    def _centre(self, begin: int, end: int) -> FloatArray:
+        """Path time, x, y, path's heading and facing (T, 5) at ticks begin .. end - 1: preview, arc beyond, and gap."""
+        found = np.empty((end - begin, 5))
+        over = max(begin, self.end + 1)
+        if over > begin:
+            self._inside(begin, min(end, over), found[: over - begin])
+        if over < end:
+            self._beyond(over - self.end, end - self.end, found[over - begin :])
+        return found + self._gap_at(np.arange(begin, end, dtype=float)) if self._returning else found
 
-    def _inside(self, ticks: FloatArray) -> FloatArray:
-        """Cubics through the preview's rows, (T, 5)."""
-        nodes, last = self._nodes, len(self._nodes) - 1
-        at = np.minimum(np.maximum((ticks - self.newest[0, TICK]) / self._stride, 0.0), float(last))
-        j = np.minimum(at.astype(int), last - 1)
-        first = np.minimum(np.maximum(j - 1, 0), last - 3)
-        u = ((at - j) + (j - first))[:, None]
-        # Lagrange's cubic through the nodes 0, 1, 2, 3 around.
-        a, b, c = u - 1, u - 2, u - 3
-        ab, ua, ub = a * b, u * a, u * b
-        return np.asarray(
-            ub * c / 2 * nodes[first + 1]
-            - ab * c / 6 * nodes[first]
-            - ua * c / 2 * nodes[first + 2]
-            + ua * b / 6 * nodes[first + 3]
-        )
+    def _inside(self, begin: int, end: int, found: FloatArray) -> None:
+        """Cubics through the preview's rows, (T, 5) at ticks begin .. end - 1, of which none is beyond it."""
+        nodes, weights = self._cubics
+        first = int(self.newest[0, TICK])
+        rows: slice | IntArray = slice(begin - first, end - first)
+        if begin < first:
+            rows = np.maximum(np.arange(begin - first, end - first), 0)
+        parts = self._nodes[nodes[rows]]
+        parts *= weights[rows]
+        np.subtract(parts[:, 1], parts[:, 0], out=found)
+        found -= parts[:, 2]
+        found += parts[:, 3]
 
-    def _beyond(self, after: FloatArray) -> FloatArray:
-        """Along the arc of the preview's last two intervals, and to a stop; (T, 5) at times after its end (T,) [s]."""
+    def _beyond(self, begin: int, end: int, found: FloatArray) -> None:
+        """Along the arc of the preview's last two intervals, and to a stop; (T, 5) from tick to tick after its end."""
         nodes, interval = self._nodes, self._stride * self._tick
-        braking = np.clip(after - HOLD, 0.0, BRAKE)
-        s: FloatArray = np.minimum(after, HOLD) + braking - braking**2 / (2.0 * BRAKE)
-        chords = np.diff(nodes[-3:, X - 1 : Y], axis=0)
+        rows: slice | IntArray = slice(begin, end)
+        if end > len(self._ways):
+            rows = np.minimum(np.arange(begin, end), len(self._ways) - 1)
+        s = self._ways[rows]
+        chords = nodes[-2:, X - 1 : Y] - nodes[-3:-1, X - 1 : Y]
         angles = np.arctan2(chords[:, 1], chords[:, 0])
         most = TURN * interval
-        turn = float(np.clip(wrapped(angles[1:] - angles[:1])[0], -most, most))
+        turn = min(max(float(wrapped(angles[1:] - angles[:1])[0]), -most), most)
         step = nodes[-1] - nodes[-2]
-        step[THETA - 1 :] = np.clip(step[THETA - 1 :], -most, most)
+        step[THETA - 1 :] = np.minimum(np.maximum(step[THETA - 1 :], -most), most)
         speed = math.hypot(*chords[1]) / (interval * np.sinc(turn / (2.0 * np.pi)))
         half = turn * s / (2.0 * interval)
         direction = angles[1] + turn / 2.0 + half
         way = speed * s * np.sinc(half / np.pi)
-        found: FloatArray = nodes[-1] + (s / interval)[:, None] * step
+        np.multiply((s / interval)[:, None], step, out=found)
+        found += nodes[-1]
         found[:, X - 1] = nodes[-1, X - 1] + way * np.cos(direction)
         found[:, Y - 1] = nodes[-1, Y - 1] + way * np.sin(direction)
-        return found
 
     def _empty(self, first: int) -> Block:
         rows = BEHIND_TICKS + BLOCK_TICKS
@@ -208,8 +210,7 @@ class HeardReference:
         """Compute the rows of ticks begin .. end - 1 anew."""
         if end - self._block.first > len(self._block.slots):
             self._move(begin - BEHIND_TICKS)
-        ticks: FloatArray = np.arange(begin - 1, end + self._stride + 1, dtype=float)
-        centre = self._centre(ticks)
+        centre = self._centre(begin - 1, end + self._stride + 1)
         new = block_of(
             begin,
             centre[1:-1, X - 1 : Y],
@@ -231,6 +232,37 @@ class HeardReference:
             getattr(self._block, name)[:count] = getattr(old, name)[kept]
 
 
+@cache
+def _cubics(stride: int, rows: int) -> tuple[IntArray, FloatArray]:
+    """Lagrange's cubics through the rows of a preview, by ticks after its first, up to its last.
+
+    Args:
+        stride: ticks from row to row.
+        rows: of a preview, at least 4.
+
+    Returns:
+        The four rows (D, 4) around each tick, and their weights (D, 4, 1): those of the second row, less those of the
+        first and of the third, and those of the fourth.
+    """
+    last = rows - 1
+    at = np.arange(stride * last + 1) / stride
+    j = np.minimum(at.astype(int), last - 1)
+    first = np.minimum(np.maximum(j - 1, 0), last - 3)
+    u = (at - j) + (j - first)
+    a, b, c = u - 1, u - 2, u - 3
+    ab, ua, ub = a * b, u * a, u * b
+    weights = np.stack([ab * c / 6, ub * c / 2, ua * c / 2, ua * b / 6], axis=-1)
+    return first[:, None] + np.arange(4), weights[..., None]
+
+
+@cache
+def _ways_beyond(tick: float) -> FloatArray:
+    """Time by which a robot goes on along the arc, by ticks after its preview's end, until it stands [s]."""
+    after = np.arange(math.ceil((HOLD + BRAKE) / tick) + 2) * tick
+    braking = np.minimum(np.maximum(after - HOLD, 0.0), BRAKE)
+    return np.asarray(np.minimum(after, HOLD) + braking - braking**2 / (2.0 * BRAKE))
+
+
 def places_along(centre: FloatArray, offsets: Offsets) -> FloatArray:
     """Slot positions (T, n, 2) where the centre is at rows (T, 5) of path time, x, y, heading and facing [m]."""
     return centre[:, None, X - 1 : Y] + rotate(centre[:, None, FACING - 1], offsets.at(centre[:, TIME - 1]))
@@ -243,4 +275,7 @@ def slots_along(centre: FloatArray, offsets: Offsets, tick: float) -> FloatArray
     theta = centre[1:-1, None, THETA - 1]
     body = rotate(-theta, velocity)
     drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-    return np.concatenate([places[1:-1], (theta + drift)[..., None]], axis=-1)
+    found = np.empty((*theta.shape[:1], places.shape[1], 3))
+    found[..., :2] = places[1:-1]
+    np.add(theta, drift, out=found[..., 2])
+    return found

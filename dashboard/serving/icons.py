@@ -1,0 +1,23 @@
+"""viser's icons, from its archive opened once: viser reads the archive's four thousand names again for every icon."""
+
+from functools import cache
+from zipfile import ZipFile
+
+from viser import _gui_api, _gui_handles, _icons
+
+
+def open_once() -> None:
+    """Have viser take its icons from here."""
+    for module in (_gui_api, _gui_handles):
+        module.svg_from_icon = svg  # type: ignore[assignment]  # each of them looks the name up for every icon
+
+
+@cache
+def svg(name: str) -> str:
+    """The <svg> element of an icon."""
+    return _archive().read(f"{name}.svg").decode()
+
+
+@cache
+def _archive() -> ZipFile:
+    return ZipFile(_icons.ICONS_DIR / "tabler-icons.zip")

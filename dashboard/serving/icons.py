@@ -5,11 +5,14 @@ from zipfile import ZipFile
 
 from viser import _gui_api, _gui_handles, _icons
 
+NAME = "svg_from_icon"
+"""Of viser's function."""
+
 
 def open_once() -> None:
     """Have viser take its icons from here."""
-    for module in (_gui_api, _gui_handles):
-        module.svg_from_icon = svg  # type: ignore[assignment]  # each of them looks the name up for every icon
+    for module in (_gui_api, _gui_handles):  # each looks the name up for every icon
+        setattr(module, NAME, svg)
 
 
 @cache

@@ -38,8 +38,8 @@ FRAMES = """milliseconds => new Promise(done => {
 })"""
 
 SHOWN = (
-    "{robots:4d} robots: {updates_per_s:.1f} updates/s, {frames_per_s:.1f} frames/s, {simulated_s_per_s:.2f} x real time, "
-    "dashboard {cpu_dashboard:.0%} of a core, {memory_dashboard_mb:.0f} MB"
+    "{robots:4d} robots: {updates_per_s:.1f} updates/s, {frames_per_s:.1f} frames/s, {simulated_s_per_s:.2f} x real "
+    "time, dashboard {cpu_dashboard:.0%} of a core, {memory_dashboard_mb:.0f} MB"
 )
 
 

@@ -118,7 +118,7 @@ def _machine() -> Iterator[Check]:
 
 
 def _page() -> Iterator[Check]:
-    from cli.live.up import DEFAULT_PORT, LOOPBACK  # noqa: PLC0415
+    from cli.light_options import DEFAULT_PORT, LOOPBACK  # noqa: PLC0415
 
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

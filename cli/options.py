@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from cli.light_options import add_controllers
 from formation.bodies.presets import PRESETS as BODIES
 from formation.errors import EchelonError, ScenarioError
 from formation.faults import PRESETS
@@ -13,7 +14,6 @@ from formation.loading.load import names_code
 from formation.loading.source import Kind
 from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
-from formation.scenario.registry import names
 from formation.scenario.scenario import Scenario
 from network.access.keys import LOCAL, OPEN, Keys, common_name, protocol
 from network.arguments import INSECURE
@@ -41,16 +41,6 @@ def add_scenario(parser: argparse.ArgumentParser, default: str = DEFAULT_SCENARI
     parser.add_argument("--seed", help="of noise and faults")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any key of the scenario"
-    )
-
-
-def add_controllers(parser: argparse.ArgumentParser) -> None:
-    """Controllers by name, or code of one's own; the first one drives, the others can be chosen and compared."""
-    parser.add_argument(
-        "--controller",
-        action="append",
-        metavar="NAME|FILE.py:CLASS",
-        help=f"{', '.join(names())}, or one of your own; given again, another one to choose or to compare with",
     )
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from cli.options import add_controllers, controllers, tell
+from cli.light_options import add_controllers
+from cli.options import controllers, tell
 from records.export import export
 from records.record import Record, load
 from records.repair import repair

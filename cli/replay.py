@@ -4,9 +4,7 @@ import argparse
 from functools import partial
 from pathlib import Path
 
-from cli.live.up import DEFAULT_PORT, LOOPBACK
-from cli.options import add_controllers
-from cli.recording import run_agent
+from cli.light_options import DEFAULT_PORT, LOOPBACK, add_controllers
 from dashboard.serving import access
 from dashboard.serving.access import Guard
 
@@ -30,6 +28,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Serve the page until Ctrl-C, or run one agent anew."""
     if options.agent is not None:
+        from cli.recording import run_agent  # noqa: PLC0415  as long as the page takes to start
+
         options.robot = options.agent
         run_agent(options)
         return

@@ -10,7 +10,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from cli.options import add_controllers, add_workers, check_workers, controllers, tell
+from cli.light_options import add_controllers
+from cli.options import add_workers, check_workers, controllers, tell
 from cli.terminal.progress import TrialProgress
 from experiments.study.controllers import with_controllers
 from experiments.study.study import Study, load, shipped

@@ -3,7 +3,8 @@
 import argparse
 from pathlib import Path
 
-from cli.options import add_controllers, controllers, tell
+from cli.light_options import add_controllers
+from cli.options import controllers, tell
 from records.record import load
 from runtime.precompile import ensure_compiled
 from runtime.user_code import named

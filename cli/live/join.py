@@ -2,7 +2,8 @@
 
 import argparse
 
-from cli.options import add_controllers, controllers, tell
+from cli.light_options import add_controllers
+from cli.options import controllers, tell
 from formation.errors import EchelonError
 from network.access.keys import address, host_and_port
 from network.access.robot_numbers import parsed, spelled

@@ -8,6 +8,7 @@ from pathlib import Path
 from setproctitle import setproctitle
 
 from cli.hosting import add_hosting, hosting, tell_how_to_join
+from cli.light_options import DEFAULT_PORT, LOOPBACK
 from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
@@ -18,10 +19,8 @@ from ros.types import distribution
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
 
-DEFAULT_PORT = 8090
 DEFAULT_SCENARIO = "follow-the-leader"
 """Where a cut link is seen at once: without messages nobody but robot 1 knows where to go."""
-LOOPBACK = "127.0.0.1"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -25,6 +25,7 @@ from dashboard.serving.admission import answer as answer_to
 from dashboard.serving.admission import too_many
 from dashboard.serving.front_page import with_prefix
 from dashboard.serving.gate import LARGEST, PAGES, Gate
+from dashboard.serving.icons import open_once
 from formation.errors import EchelonError
 
 
@@ -49,6 +50,7 @@ def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
         return original(handler, sock=bound, process_request=checked, **options)
 
     _GATES[taken] = gate
+    open_once()
     _infra._message_consumer = _consume  # type: ignore[assignment]  # viser looks the name up for every page
     with _replaced(websockets.asyncio.server, "serve", guarded), quiet():
         os.environ.pop("_VISER_PORT_OVERRIDE", None)

@@ -1,5 +1,7 @@
 """Laws of the replay: a record is shown as its run was, whatever state the file is in."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -104,3 +106,10 @@ def test_events_are_of_the_kind_that_they_were(tmp_path: Path) -> None:
     happened = [(event.kind, event.text) for event in simulation.world.events]
     assert {"push", "excursion", "fault"} <= {kind for kind, _ in happened}
     assert [(event.kind, event.text) for event in last.state.events] == happened[: len(last.state.events)]
+
+
+def test_the_page_of_a_record_waits_for_no_network_and_no_kernels() -> None:
+    unneeded = "{'zenoh', 'numba', 'agents', 'world'}"
+    code = f"import sys, cli.replay, runtime.replay.process; print(*{unneeded} & set(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60)
+    assert found.stdout.split() == []

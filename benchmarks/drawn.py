@@ -47,7 +47,7 @@ def measure(browser: Browser, robots: int, seconds: float, window: tuple[int, in
     """Updates that reach the page, frames that it draws, and what the processes take, a second."""
     settings = ("formation.shape='polygon'", f"formation.robots={robots}", "formation.spacing=0.1")
     with BrowserRun("circle", robots, agents=0, world="benchmarks.ensemble", settings=settings) as run:
-        page = browser.new_page(viewport=dict(zip(("width", "height"), window, strict=True)))
+        page = browser.new_page(viewport={"width": window[0], "height": window[1]})
         updates: list[float] = []
         # Viser sends what a frame changes as one message; small ones are its windows' sizes and clocks.
         page.on("websocket", lambda socket: socket.on("framereceived", lambda data: updates.append(len(data))))

@@ -26,6 +26,8 @@ from runtime.precompile import ensure_compiled
 from runtime.run_registry import find
 
 RUN = "benchmark"
+WARM_SECONDS = 2.0
+"""After the run began, before it is measured [s]: first ticks compute tables and wait for each other."""
 
 
 def main() -> None:
@@ -74,6 +76,7 @@ def real_time(robots: int, seconds: float, *more: str) -> dict[str, float]:
     with _up("circle", "--realtime", "--no-dashboard", *shape, *more) as up:
         while _state().get("status") != "running":
             time.sleep(0.2)
+        time.sleep(WARM_SECONDS)
         first, earlier = _state(), _missed(robots)
         print(f"running for {seconds:g} s ...", file=sys.stderr, flush=True)
         memory, before, began = [], _processor(up.pid), time.monotonic()

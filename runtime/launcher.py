@@ -1,6 +1,5 @@
 """A run as supervised processes: start them, watch them, end them all and remove what they leave."""
 
-import contextlib
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -8,20 +7,19 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from dashboard.serving.access import Guard
-from formation.errors import EchelonError, WireError
+from formation.errors import EchelonError
 from formation.scenario.registry import check_live
 from formation.scenario.scenario import Scenario
 from network import topics
 from network.access.robot_numbers import spelled
 from network.access.rules import MAX_KEYED
-from network.bus import Sample
-from network.codec import decode
 from network.control import GetSummary
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime.endings import Endings
 from runtime.hosts.listening import Listening
 from runtime.keeping.agent_keeper import AgentKeeper
+from runtime.keeping.states import newest
 from runtime.machine.sharing import Sharing
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
@@ -194,10 +192,7 @@ class LiveRun:
 
     def _listen(self) -> None:
         assert self._session is not None
-        for item in self._session.arrivals():
-            if isinstance(item, Sample):
-                with contextlib.suppress(WireError):  # not a valid message; its receivers count it
-                    self._state = decode(State, item.payload)
+        self._state = newest(self._session.arrivals()) or self._state
 
     def summary(self, warmup: float) -> dict[str, Any]:
         """The summary of the episode. Raises EchelonError if the world does not answer."""

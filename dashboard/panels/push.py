@@ -14,13 +14,11 @@ from dashboard.theme.templates import render
 from formation.disturbances import FARTHEST, PUSHES, Kind
 from formation.metrics import nearest
 from formation.shapes import FIXED_SIZES, SHAPES
-from network.control import Operation
 from network.interventions import Move, Push, Release, Reshape
 
 FOR_SECONDS = 10.0
 ROWS: tuple[tuple[Kind, ...], ...] = (("gust", "slow", "stuck"), ("slippery", "blind"))
-"""Buttons, row by row; the last row has RELEASE as well."""
-RELEASE = "Release"
+"""Buttons, row by row: what fits into the narrow panel."""
 PICK = "choose…"
 SPACING = (40.0, 400.0, 5.0)
 """Of the slider: least, most, step [mm]."""
@@ -46,9 +44,11 @@ class PushPanel:
             self._timed = gui.add_checkbox(
                 f"Push for {FOR_SECONDS:.0f} s", True, hint="Else until Release or a reset; simulated time"
             )
-            for row in (*buttons[:-1], [*buttons[-1], RELEASE]):
+            for row in buttons:
                 group = gui.add_button_group(" ", tuple(row), hint=_hint(row))
                 group.on_click(lambda event: self._press(event.target.value, event.client_id))
+            release = gui.add_button("Release", color="gray", hint="End all pushes of this robot")
+            release.on_click(lambda event: self._release(event.client_id))
             self._shape: Any = gui.add_dropdown("Shape", (PICK,), hint="Takes it from now on; a reset returns")
             self._spacing = MirroredControl(
                 gui.add_slider("Spacing mm", *SPACING, 100.0, hint="Least distance of two places")
@@ -69,17 +69,15 @@ class PushPanel:
             self._robot.value = _label(robot)
 
     def _press(self, name: str, page: int | None) -> None:
-        operation: Operation
         kind = next((kind for kind in PUSHES if kind == str(name).lower()), None)
-        if page is None or (kind is None and name != RELEASE):
+        if page is None or kind is None:
             return
-        if kind is None:
-            operation = Release(robot=self._number)
-        elif self._timed.value is True:
-            operation = Push(robot=self._number, kind=kind, seconds=FOR_SECONDS)
-        else:
-            operation = Push(robot=self._number, kind=kind)
-        self._requests.ask(operation, page)
+        seconds = FOR_SECONDS if self._timed.value is True else None
+        self._requests.ask(Push(robot=self._number, kind=kind, seconds=seconds), page)
+
+    def _release(self, page: int | None) -> None:
+        if page is not None:
+            self._requests.ask(Release(robot=self._number), page)
 
     def _reshape(self, event: viser.GuiEvent[Any]) -> None:
         name = event.target.value

@@ -39,6 +39,8 @@ HOLD_SECONDS = 0.4
 """A following camera rests so long after a user moved it, then follows with the new offset [s]."""
 TRIES = 4
 """To read or write a camera while its page sends another pose."""
+STEP = 1e-3
+"""A camera that follows moves once it is off by this share of its view's height: by less than a pixel or about one."""
 ABOVE: FloatArray = np.array([0.0, -TILT, 1.0])
 """Direction from the point looked at to a camera above it."""
 
@@ -153,7 +155,9 @@ class Cameras:
                     self._fit(page, scenario)
                 elif page.target is not None and now >= page.rest_until:
                     self._ease(page, now)
-                    self._move(page, self._looked_at(page), page.offset)
+                    look_at = self._looked_at(page)
+                    if not _is_there(page, look_at):
+                        self._move(page, look_at, page.offset)
 
     def _begin(self) -> None:
         self._set_home(np.append(self._centre(0), 0.0), FOLLOWED * self._diameter())
@@ -248,6 +252,13 @@ class Cameras:
 def _distance(height: float) -> float:
     """From which a view is so high [m]."""
     return 0.5 * height / math.tan(FOV / 2.0)
+
+
+def _is_there(page: _PageCamera, look_at: FloatArray) -> bool:
+    """Whether a camera is where it should be, as far as is seen: each move costs as much as drawing all bodies."""
+    position, seen = _pose(page.client.camera)
+    off = max(np.abs(seen - look_at).max(), np.abs(position - look_at - page.offset).max())
+    return bool(off < STEP * 2.0 * math.tan(FOV / 2.0) * np.abs(page.offset).max())
 
 
 def _pose(camera: Any) -> tuple[FloatArray, FloatArray]:

@@ -7,11 +7,11 @@ def level_colour(level: float) -> str:
 
 
 def length(metres: float) -> tuple[str, str]:
-    """A length and its unit, with three significant digits at most."""
+    """A length and its unit: one decimal below 10 mm, none above; no robot's place is told in finer steps."""
     mm = 1e3 * metres
-    if abs(mm) < 0.0995:
-        return f"{1e3 * mm:.0f}", "µm"
-    return (f"{mm:.2f}" if abs(mm) < 9.995 else f"{mm:.1f}" if abs(mm) < 99.95 else f"{mm:.0f}"), "mm"
+    if 0.0 < abs(mm) < 0.05:
+        return "< 0.1", "mm"
+    return (f"{mm:.1f}" if abs(mm) < 9.95 else f"{mm:.0f}"), "mm"
 
 
 def error(metres: float, noise: float) -> tuple[str, str]:

@@ -1,23 +1,20 @@
 """What a host that joined a run of another one runs: the agents that it was let in for."""
 
-import contextlib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from formation.errors import WireError
 from network import topics
 from network.access.keys import AUTHORITY, Keys, common_name
-from network.bus import Connection, Presence, Sample
-from network.codec import decode
-from network.messages import State
+from network.bus import Connection, Presence
 from network.zenoh_bus import ZenohBus
 from runtime.endings import Endings
 from runtime.hosts.authority import write_private
 from runtime.hosts.enrolment import Admission
 from runtime.keeping.agent_keeper import AgentKeeper
+from runtime.keeping.states import newest
 from runtime.precompile import ensure_compiled
 from runtime.process_list import RunPlan, agents
 from runtime.run_registry import Claim, free_name
@@ -118,18 +115,16 @@ class JoinedRun:
         """
         self._supervisor.watch(WATCH_SECONDS)
         assert self._session is not None
-        state: State | None = None
-        for item in self._session.arrivals():
+        arrivals = self._session.arrivals()
+        for item in arrivals:
             match item:
-                case Sample(_, payload):
-                    with contextlib.suppress(WireError):  # not a valid message; agents count it
-                        state = decode(State, payload)
                 case Presence("launcher", _, here):
                     self._launched = here
                 case Connection(up):
                     self._connected = up
                 case _:
                     pass
+        state = newest(arrivals)
         if state is not None:
             self._keeper.keep(state, self.robots)
         self._gone = 0.0 if self._connected and self._launched else self._gone + WATCH_SECONDS

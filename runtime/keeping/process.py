@@ -1,18 +1,15 @@
 """The process that runs the agents of a run where no launcher does: in containers, alone or as one of several."""
 
-import contextlib
 from collections.abc import Callable, Iterable
 from types import TracebackType
 from typing import Self
 
-from formation.errors import WireError
 from network import topics
 from network.access.rules import MAX_KEYED
-from network.bus import Bus, Presence, Sample
-from network.codec import decode
-from network.messages import State
+from network.bus import Bus, Presence
 from runtime.keeping.agent_keeper import AgentKeeper
 from runtime.keeping.shares import Shares
+from runtime.keeping.states import newest
 from runtime.process_list import Program
 from runtime.supervisor import Supervisor
 
@@ -57,15 +54,10 @@ class Keeper:
     def watch(self) -> None:
         """Keep the agents for a moment. Raises EchelonError: one cannot be kept alive."""
         self._supervisor.watch(WATCH_SECONDS)
-        state: State | None = None
-        for item in self._bus.arrivals():
-            match item:
-                case Sample(_, payload):
-                    with contextlib.suppress(WireError):  # not a valid message; agents count it
-                        state = decode(State, payload)
-                case Presence("keeper", number, here):
-                    self._shares.note(number, here=here)
-                case _:
-                    pass
+        arrivals = self._bus.arrivals()
+        for item in arrivals:
+            if isinstance(item, Presence) and item.role == "keeper":
+                self._shares.note(item.number, here=item.here)
+        state = newest(arrivals)
         if state is not None:
             self._keeper.keep(state, self._shares.of(range(1, MAX_KEYED + 1)))

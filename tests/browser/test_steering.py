@@ -188,7 +188,7 @@ def test_the_ledger_names_the_push_and_a_pressed_row_goes_to_its_moment(driven: 
     row = run.state().excursions[-1]
     assert row.cause.startswith("robot 2: pushed at (0, -0.08) m/s")
     page.show("Ledger")
-    page.wait_text(r"Excursions \d+ over 2 mm")
+    page.wait_text(r"Excursions \d+ over 2\.0 mm")
     page.wait_text(r"robot 2: pushed at \(0, -0.08\) m/s")
     page.until(lambda: bool(run.state().excursions[-1].until), "end of the excursion", 40.0)
     page.click_cell(f"excursion {row.number % 32}")

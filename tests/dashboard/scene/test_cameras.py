@@ -234,3 +234,15 @@ def test_the_first_pose_of_a_page_that_is_very_slow_is_not_the_users(clock: _Clo
     client.camera.dragged(*start)
     pass_time(cameras, clock, 3.0)
     np.testing.assert_allclose(client.camera.position - client.camera.look_at, height(client) * UPWARD, rtol=0.01)
+
+
+def test_a_camera_that_follows_is_moved_for_what_is_seen_and_for_nothing_less(clock: _Clock) -> None:
+    cameras, client = opened()
+    for _ in range(300):  # until its zoom is at rest
+        clock.now += 0.1
+        cameras.update(SCENARIO, POSES, LIVE)
+    rest = client.camera.look_at.copy()
+    cameras.update(SCENARIO, POSES + np.array([1e-4, 0.0, 0.0]), LIVE)
+    np.testing.assert_array_equal(client.camera.look_at, rest)
+    cameras.update(SCENARIO, POSES + np.array([5e-3, 0.0, 0.0]), LIVE)
+    np.testing.assert_allclose(client.camera.look_at - rest, [5e-3, 0.0, 0.0], atol=1e-3)

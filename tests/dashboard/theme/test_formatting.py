@@ -19,6 +19,18 @@ def test_an_error_has_a_number_unless_it_is_below_the_noise(metres: float, noise
     assert error(metres, 0.0) == length(metres)
 
 
+@given(st.floats(-20.0, 20.0))
+def test_a_length_has_one_decimal_below_ten_millimetres_and_none_above(metres: float) -> None:
+    number, unit = length(metres)
+    assert unit == "mm"
+    if number == "< 0.1":
+        assert 0.0 < abs(1e3 * metres) <= 0.05
+    else:
+        value = float(number)
+        assert abs(value - 1e3 * metres) <= (0.5 if "." not in number else 0.05) + 1e-9
+        assert ("." in number) == (abs(value) < 10.0)
+
+
 @pytest.mark.parametrize(("sigma", "hidden"), [(0.0, False), (0.5, True)])
 def test_tiles_and_robot_table_know_the_noise_of_the_bodies(page: Page, sigma: float, hidden: bool) -> None:
     snapshot, links, *_ = page._feed.now()

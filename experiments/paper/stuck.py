@@ -73,6 +73,7 @@ def _sections(extent: Extent, signals: Mapping[str, Signals]) -> Sequence[Sectio
                     "Worst distance error over time by controller, with plans on time and half a second late",
                 ),
                 table(found),
+                ledger(found),
                 verdict(found),
                 worth_of_messages(found),
             ),
@@ -120,6 +121,30 @@ def table(found: Mapping[tuple[str, str], Signals]) -> Table:
         f"Seconds count from the release; in formation: all |lₑ| ≤ {SMALL * 1e3:g} mm, on the path: centre within "
         f"{CAUGHT_UP * 1e3:g} mm, both to the end of the trial",
         ("controller", *(f"{link}: {head}" for link in LINKS for head in heads)),
+        tuple(rows),
+    )
+
+
+def ledger(found: Mapping[tuple[str, str], Signals]) -> Table:
+    """A row per excursion of `nash`: whose error rose above its limit, and the likely cause by the ledger."""
+    rows: list[tuple[Cell, ...]] = [
+        (
+            f"plans {link}",
+            f"robot {one.robot}",
+            one.at,
+            one.peak * 1e3,
+            "never" if one.recovery is None else one.recovery,
+            one.cause or "none found",
+        )
+        for link in LINKS
+        for one in found["nash", link].excursions
+    ]
+    return Table(
+        "stuck_ledger",
+        "The ledger of `nash`, as the page and summaries have it: errors of a robot above its limit "
+        "(`metrics.excursion`), and the likely cause by the rule of docs/theory.md, section 9; recovery counts from "
+        "the cause's end",
+        ("links", "whose error", "from s", "largest mm", "recovered after s", "likely cause"),
         tuple(rows),
     )
 

@@ -2,7 +2,7 @@
 
 from base64 import b64decode, b64encode
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -11,6 +11,7 @@ from experiments.trials.trial import Trial
 from formation.arrays import FloatArray, timeline
 from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.scenario import Scenario
+from network.values import Excursion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,15 +34,25 @@ class Signals:
     """(T + 1,) distance of the robots' mean position to p_r [m]."""
     gaps: FloatArray
     """(G, n) Nash gap; G = 0 unless it was asked for."""
+    excursions: tuple[Excursion, ...] = ()
+    """The ledger, by the time at which they began."""
 
     @classmethod
-    def of(cls, scenario: Scenario, poses: FloatArray, inputs: FloatArray, gaps: FloatArray) -> Self:
+    def of(
+        cls,
+        scenario: Scenario,
+        poses: FloatArray,
+        inputs: FloatArray,
+        gaps: FloatArray,
+        excursions: tuple[Excursion, ...] = (),
+    ) -> Self:
         """All signals from those that are not functions of others."""
         times = timeline(0, len(poses), scenario.control_interval)
         reference = scenario.reference()
         centre = reference.centre(times)
         distance, angle = pattern_errors(poses, reference.positions(times))
-        return cls(times, poses, inputs, centre, distance, angle, tracking_error(poses, centre), gaps)
+        tracking = tracking_error(poses, centre)
+        return cls(times, poses, inputs, centre, distance, angle, tracking, gaps, excursions)
 
     def after(self, start: float, stop: float = np.inf) -> slice:
         """Rows of `times` from `start` to `stop` [s]; of a trial cut before `start`, the last row."""
@@ -71,7 +82,11 @@ class TrialResult:
             "values": dict(self.values),
             "trajectory_sha256": self.trajectory_sha256,
             "series": self.series.tolist(),
-            "signals": kept and {name: _text(getattr(kept, name)) for name in ("poses", "inputs", "gaps")},
+            "signals": kept
+            and {
+                **{name: _text(getattr(kept, name)) for name in ("poses", "inputs", "gaps")},
+                "excursions": [asdict(one) for one in kept.excursions],
+            },
         }
 
 
@@ -81,7 +96,9 @@ def result_of(trial: Trial, plain: Mapping[str, Any]) -> TrialResult:
     if plain["signals"] is not None:
         scenario = trial.load()
         shapes = {"poses": (-1, scenario.size, 3), "inputs": (-1, scenario.size, 2), "gaps": (-1, scenario.size)}
-        signals = Signals.of(scenario, **{name: _array(plain["signals"][name], s) for name, s in shapes.items()})
+        arrays = {name: _array(plain["signals"][name], shape) for name, shape in shapes.items()}
+        ledger = tuple(Excursion(**one) for one in plain["signals"]["excursions"])
+        signals = Signals.of(scenario, **arrays, excursions=ledger)
     return TrialResult(plain["values"], plain["trajectory_sha256"], np.array(plain["series"], dtype=float), signals)
 
 

@@ -37,7 +37,7 @@ def simulate(trial: Trial) -> TrialResult:
         values=measured(wanted.measures, seen),
         trajectory_sha256=hashlib.sha256(trace.poses.astype("<f8").tobytes()).hexdigest(),
         series=seen.level[::stride] if wanted.series else np.zeros(0),
-        signals=Signals.of(scenario, trace.poses, trace.inputs, sampled) if wanted.signals else None,
+        signals=Signals.of(scenario, trace.poses, trace.inputs, sampled, ledger) if wanted.signals else None,
     )
 
 

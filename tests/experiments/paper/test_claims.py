@@ -1,5 +1,6 @@
 """Verdicts follow the numbers: each claim of the report, judged on made-up signals."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from experiments.paper.bounds import bounds
 from experiments.report.report import grade
 from experiments.trials.result import Signals
 from formation.arrays import FloatArray
+from network.values import Excursion
 
 PATHS = ("figure8", "circle", "sinusoid", "spiral")
 
@@ -152,6 +154,16 @@ def test_a_formation_that_never_comes_back_is_called_so() -> None:
     assert path is None
     table = stuck.table({("nash", link): hold(0.06, 61.0, 0.1) for link in stuck.LINKS})
     assert table.rows[0][2] == "never"
+
+
+def test_the_ledger_of_a_stuck_robot_names_who_when_and_why() -> None:
+    seen = Excursion(1, 2, 20.5, 0.02, 24.0, until=25.0, recovery=1.0, cause="robot 2: slow", cause_at=20.0)
+    lasting = Excursion(2, 3, 40.0, 0.01, 41.0)
+    trials = {link: replace(made_up(), excursions=(seen, lasting)) for link in stuck.LINKS}
+    rows = stuck.ledger({("nash", link): trial for link, trial in trials.items()}).rows
+    assert rows[0][1:] == ("robot 2", 20.5, 20.0, 1.0, "robot 2: slow")
+    assert rows[1][1:] == ("robot 3", 40.0, 10.0, "never", "none found")
+    assert [row[0] for row in rows] == [f"plans {link}" for link in stuck.LINKS for _ in range(2)]
 
 
 @pytest.mark.parametrize(("grown", "outcome"), [(1.01, "holds"), (1.04, "holds in part"), (1.2, "does not hold")])

@@ -12,6 +12,7 @@ from experiments.trials.result import Signals, result_of
 from experiments.trials.simulate import simulate
 from experiments.trials.trial import GAP_EVERY, Measurement, Trial, trial
 from formation.errors import EchelonError, ScenarioError
+from network.values import Excursion
 from runtime.inprocess import Simulation
 
 KEPT = Measurement(("distance_rms_m", "lost_share"), warmup=0.5, series=True, signals=True, gap=True)
@@ -66,6 +67,16 @@ def test_a_result_survives_json_to_the_last_bit(one: Any) -> None:
     assert result.signals is not None
     for name in Signals.__slots__:
         np.testing.assert_array_equal(getattr(again.signals, name), getattr(result.signals, name))
+
+
+def test_the_ledger_survives_json(one: Any) -> None:
+    result, seen = simulate(one), Excursion(1, 2, 20.5, 0.02, 24.0, until=25.0, recovery=1.0, cause="x", cause_at=20.0)
+    assert result.signals is not None
+    ledger = (seen, Excursion(2, 3, 40.0, 0.01, 41.0))
+    told = replace(result, signals=replace(result.signals, excursions=ledger))
+    again = result_of(one, json.loads(json.dumps(told.plain()))).signals
+    assert again is not None
+    assert again.excursions == ledger
 
 
 def test_signals_are_those_of_the_simulation(one: Any) -> None:

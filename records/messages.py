@@ -2,13 +2,14 @@
 
 import struct
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from formation.arrays import FloatArray
 from network.values import Excursion
-from records.cdr import Cdr, string
+from records.cdr import HEAD, Cdr, string
 
 MAP = "map"
 """The frame in which poses are."""
@@ -17,7 +18,6 @@ _TIME = struct.Struct("<iI")
 _HEADER = np.dtype([("sec", "<i4"), ("nanosec", "<u4"), ("frame", f"V{len(string(MAP))}")])
 _POSE_THEN_HEADER = np.dtype([("pose", "<f8", 7), *((name, _HEADER[name]) for name in _HEADER.names or ())])
 """A row of a Path, with the header of the next one: all are encoded at once, and stay aligned to 8."""
-_NO_COVARIANCE = np.zeros(36)
 _STEPS = 2.0**16
 """Pictures are rounded to this part of a metre, or of 1 in a quaternion, so that they compress: to 15 um."""
 LINE_LIST = 5
@@ -57,44 +57,56 @@ def _drawn(poses: FloatArray) -> FloatArray:
     return np.asarray(np.round(_placed(poses) * _STEPS) / _STEPS)
 
 
-def _twist(velocity: FloatArray) -> tuple[float, ...]:
-    return float(velocity[0]), 0.0, 0.0, 0.0, 0.0, float(velocity[1])
+def _twists(velocities: FloatArray) -> FloatArray:
+    """v and omega (n, 2) as linear x, y, z and angular x, y, z (n, 6)."""
+    found = np.zeros((len(velocities), 6), "<f8")
+    found[:, 0], found[:, 5] = velocities[:, 0], velocities[:, 1]
+    return found
+
+
+@lru_cache(maxsize=4096)
+def _names(at: int, *texts: str) -> bytes:
+    """What stands between a header's time, which begins `at` bytes after a multiple of 8, and floats: these strings."""
+    cdr = Cdr()
+    cdr.raw(bytes(at + _TIME.size), 1)
+    for text in texts:
+        cdr.text(text)
+    cdr.raw(b"", 8)
+    return bytes(cdr)[len(HEAD) + at + _TIME.size :]
 
 
 def twist(velocity: FloatArray) -> bytes:
     """geometry_msgs/Twist of v, omega [m/s, rad/s]."""
-    cdr = Cdr()
-    cdr.array("d", _twist(velocity))
-    return bytes(cdr)
+    return HEAD + _twists(velocity[None]).tobytes()
 
 
 def twist_stamped(stamp: int, frame: str, velocity: FloatArray) -> bytes:
     """geometry_msgs/TwistStamped of v, omega [m/s, rad/s]."""
-    cdr = Cdr()
-    _header(cdr, stamp, frame)
-    cdr.array("d", _twist(velocity))
-    return bytes(cdr)
+    return twists_stamped(stamp, [frame], velocity[None])[0]
 
 
-def odometry(stamp: int, child: str, pose: FloatArray, velocity: FloatArray) -> bytes:
-    """nav_msgs/Odometry: where a robot is in the map, and its v, omega in its own frame."""
-    cdr = Cdr()
-    _header(cdr, stamp, MAP)
-    cdr.text(child)
-    cdr.array("d", np.concatenate([_placed(pose[None])[0], _NO_COVARIANCE, _twist(velocity), _NO_COVARIANCE]))
-    return bytes(cdr)
+def twists_stamped(stamp: int, frames: Iterable[str], velocities: FloatArray) -> list[bytes]:
+    """geometry_msgs/TwistStamped of each row v, omega (n, 2) [m/s, rad/s] in its own frame."""
+    begins = HEAD + _TIME.pack(*divmod(stamp, 10**9))
+    return [begins + _names(0, frame) + row.tobytes() for frame, row in zip(frames, _twists(velocities), strict=True)]
 
 
-def transforms(stamp: int, frames: Iterable[tuple[str, FloatArray]]) -> bytes:
-    """tf2_msgs/TFMessage: where frames are in the map."""
-    cdr, placed = Cdr(), list(frames)
-    cdr.put("I", len(placed))
-    drawn = _drawn(np.array([pose for _, pose in placed]).reshape(-1, 3))
-    for (child, _), pose in zip(placed, drawn, strict=True):
-        _header(cdr, stamp, MAP)
-        cdr.text(child)
-        cdr.array("d", pose)
-    return bytes(cdr)
+def odometries(stamp: int, children: Iterable[str], poses: FloatArray, velocities: FloatArray) -> list[bytes]:
+    """nav_msgs/Odometry of each robot: its pose (n, 3) in the map, and its v, omega (n, 2) in its own frame."""
+    begins = HEAD + _TIME.pack(*divmod(stamp, 10**9))
+    rows = np.zeros((len(poses), 85), "<f8")
+    rows[:, :7], rows[:, 43:49] = _placed(poses), _twists(velocities)  # each before its covariance
+    return [begins + _names(0, MAP, child) + row.tobytes() for child, row in zip(children, rows, strict=True)]
+
+
+def transforms(stamp: int, frames: Sequence[str], poses: FloatArray) -> bytes:
+    """tf2_msgs/TFMessage: where each frame is in the map, (n, 3)."""
+    drawn = _drawn(poses).astype("<f8", copy=False)
+    begins, found, at = _TIME.pack(*divmod(stamp, 10**9)), [HEAD, struct.pack("<I", len(frames))], 4
+    for child, row in zip(frames, drawn, strict=True):
+        found += (begins, _names(at, MAP, child), row.tobytes())
+        at = 0
+    return b"".join(found)
 
 
 def path(stamp: int, poses: FloatArray, stamps: Sequence[int]) -> bytes:

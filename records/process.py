@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterable
 from pathlib import Path
-from time import monotonic, time_ns
+from time import monotonic, sleep, time_ns
 
 from formation.errors import EchelonError, WireError
 from network import topics
@@ -18,6 +18,8 @@ from records.recorder import Detail, Recorder
 
 FLUSH_SECONDS = 0.9
 """Between two flushes: so much is lost at most, and what is on its way [s]."""
+LOOK_SECONDS = 0.05
+"""Between two looks at what has arrived [s]: to wake up for each message costs more than to write it."""
 MAX_NAMES = 1000
 
 
@@ -61,6 +63,7 @@ def _record(bus: Bus, file: RecordFile, lifetime: Lifetime, detail: Detail) -> N
         count = 0
         while not lifetime.over:
             take(recorder, bus.arrivals(FLUSH_SECONDS), log)
+            sleep(LOOK_SECONDS)
             if monotonic() - flushed >= FLUSH_SECONDS:
                 file.flush()
                 flushed = monotonic()

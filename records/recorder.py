@@ -4,6 +4,7 @@ import itertools
 import json
 import zlib
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -188,17 +189,14 @@ class Recorder:
         """What viewers show of the last tick."""
         at = self._time(episode, episode.next - 1)
         slots = stretch.slots
-        placed = [
-            *((f"robot{i}", pose) for i, pose in enumerate(poses, 1)),
-            *((f"slot{i}", slot) for i, slot in enumerate(slots, 1)),
-            ("centre", stretch.centre),
-        ]
-        self._write("/tf", "tf2_msgs/TFMessage", at, messages.transforms(at, placed))
-        for i, (pose, velocity) in enumerate(zip(poses, inputs, strict=True), 1):
-            robot = f"robot{i}"
-            self._write(f"/{robot}/odom", "nav_msgs/Odometry", at, messages.odometry(at, robot, pose, velocity))
-            commanded = messages.twist_stamped(at, robot, velocity)
-            self._write(f"/{robot}/cmd_vel", "geometry_msgs/TwistStamped", at, commanded)
+        robots, frames = _frames(episode.robots)
+        placed = np.vstack([poses, slots, stretch.centre])
+        self._write("/tf", "tf2_msgs/TFMessage", at, messages.transforms(at, frames, placed))
+        driven = messages.odometries(at, robots, poses, inputs)
+        commanded = messages.twists_stamped(at, robots, inputs)
+        for robot, odometry, twist in zip(robots, driven, commanded, strict=True):
+            self._write(f"/{robot}/odom", "nav_msgs/Odometry", at, odometry)
+            self._write(f"/{robot}/cmd_vel", "geometry_msgs/TwistStamped", at, twist)
         if stretch.seq % SLOWER:
             return
         away = episode.away
@@ -250,6 +248,13 @@ class Recorder:
         if self.full and self._episode is not None and not self._episode.again:
             at = self._episode.begins + round(self._now * 1e9)
             self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
+
+
+@lru_cache(maxsize=4)
+def _frames(robots: int) -> tuple[list[str], list[str]]:
+    """Names of the robots' frames, and of all: the robots', their slots', the centre's."""
+    own = [f"robot{i}" for i in range(1, robots + 1)]
+    return own, [*own, *(f"slot{i}" for i in range(1, robots + 1)), "centre"]
 
 
 def _nearest(poses: FloatArray, radii: FloatArray) -> tuple[float, float]:

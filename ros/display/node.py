@@ -91,19 +91,19 @@ class DisplayNode:
         return found
 
     def _poses(self, state: State, stamp: int) -> list[Shown]:
-        frames = [
-            *((f"robot{i}", pose) for i, pose in enumerate(state.poses, 1)),
-            *((f"slot{i}", slot) for i, slot in enumerate(state.slots, 1)),
-            ("centre", state.centre),
-        ]
-        found = [Shown("/tf", TF, messages.transforms(stamp, frames))]
-        for i, pose in enumerate(state.poses, 1):
-            if i in self._real:
-                continue
-            robot, velocity = f"robot{i}", self._velocity(state, i)
-            found.append(Shown(f"/{robot}/odom", ODOMETRY, messages.odometry(stamp, robot, pose, velocity)))
-            commanded = messages.twist_stamped(stamp, robot, velocity)
-            found.append(Shown(f"/{robot}/cmd_vel", TWIST_STAMPED, commanded))
+        everybody = range(1, len(state.poses) + 1)
+        frames = [*(f"robot{i}" for i in everybody), *(f"slot{i}" for i in everybody), "centre"]
+        placed = np.vstack([state.poses, state.slots, state.centre])
+        found = [Shown("/tf", TF, messages.transforms(stamp, frames, placed))]
+        simulated = [i for i in everybody if i not in self._real]
+        robots = [f"robot{i}" for i in simulated]
+        poses = np.array([state.poses[i - 1] for i in simulated]).reshape(-1, 3)
+        velocities = np.array([self._velocity(state, i) for i in simulated]).reshape(-1, 2)
+        moved = messages.odometries(stamp, robots, poses, velocities)
+        commanded = messages.twists_stamped(stamp, robots, velocities)
+        for robot, odometry, twist in zip(robots, moved, commanded, strict=True):
+            found.append(Shown(f"/{robot}/odom", ODOMETRY, odometry))
+            found.append(Shown(f"/{robot}/cmd_vel", TWIST_STAMPED, twist))
         return found
 
     def _velocity(self, state: State, robot: int) -> FloatArray:

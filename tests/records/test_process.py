@@ -37,6 +37,7 @@ class Turns:
 def world(monkeypatch: pytest.MonkeyPatch) -> tuple[MemoryBus, MemoryBus, Callable[[], None]]:
     """Buses of world and recorder, and what makes the world go on for a tick."""
     monkeypatch.setattr(process, "FLUSH_SECONDS", 0.0)
+    monkeypatch.setattr(process, "LOOK_SECONDS", 0.0)
     hub = MemoryHub(lambda letter: (0.0,))
     ours, theirs = hub.join(RUN, "world"), hub.join(RUN, "recorder")
     simulated = World(scenario())

@@ -78,7 +78,7 @@ class Robot:
 
     def _say(self) -> None:
         while not self._over.wait(0.02):
-            self._odometry.put(messages.odometry(time.time_ns(), "base_link", self._pose, np.zeros(2)))
+            self._odometry.put(*messages.odometries(time.time_ns(), ["base_link"], self._pose[None], np.zeros((1, 2))))
 
     def close(self) -> None:
         self._over.set()

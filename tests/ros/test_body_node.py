@@ -42,7 +42,8 @@ def test_a_command_is_the_newest_input_or_zero_and_never_rare(speaks: list[bool]
 def test_a_pose_is_told_in_the_formations_map_with_its_age() -> None:
     node = BodyNode(SPEC)
     node.begin(ODOMETRY)
-    found = node.locate(messages.odometry(1, "b", np.array([3.0, 0.0, 0.25]), np.array([0.5, -1.0])), 10.0, 10.125)
+    (data,) = messages.odometries(1, ["b"], np.array([[3.0, 0.0, 0.25]]), np.array([[0.5, -1.0]]))
+    found = node.locate(data, 10.0, 10.125)
     assert found is not None
     assert found.pose == pytest.approx([1.0, 5.0, np.pi / 2 + 0.25])
     assert (found.sender, found.age, *found.velocity) == (2, 0.125, 0.5, -1.0)

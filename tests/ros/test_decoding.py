@@ -28,7 +28,7 @@ def test_frames_compose_like_motions(a: Place, b: Place, c: Place) -> None:
 
 @given(PLACES, NUMBERS, NUMBERS)
 def test_odometry_is_read_as_it_was_written(place: Place, v: float, omega: float) -> None:
-    found = PoseReader(ODOMETRY).read(messages.odometry(STAMP, "base", np.array(place), np.array([v, omega])))
+    found = PoseReader(ODOMETRY).read(*messages.odometries(STAMP, ["base"], np.array([place]), np.array([[v, omega]])))
     assert found is not None
     assert found.place == pytest.approx(place)
     assert found.speed == (v, omega)
@@ -54,7 +54,7 @@ def test_transforms_are_followed_to_the_map(namespace: str) -> None:
 
 
 def transform(parent: str, child: str, place: Place) -> bytes:
-    data = messages.transforms(STAMP, [(child, np.array(place))])
+    data = messages.transforms(STAMP, [child], np.array([place]))
     return data if parent == "map" else reframed(data, parent)
 
 

@@ -34,13 +34,13 @@ def test_of_a_crowd_the_worst_links_are_listed_and_the_others_counted() -> None:
     cut = LinkId(700, 701)
     html = matrix(1000, faults={cut: Fault(cut=True)})
     assert len(re.findall(r'data-cell="link', html)) == MOST
-    assert "CUT 50 ms" in html
+    assert "CUT <span>50 ms</span>" in html
     assert f"{1000 - MOST} more links" in html
 
 
 def test_a_cut_link_says_so() -> None:
     html = matrix(3, faults={LinkId(1, 2): Fault(cut=True)})
-    assert html.count("CUT 50 ms") == 1
+    assert html.count("CUT <span>50 ms</span>") == 1
 
 
 def test_the_target_is_marked() -> None:

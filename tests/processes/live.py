@@ -61,6 +61,13 @@ def processes(folder: Path) -> list[psutil.Process]:
     return found
 
 
+def title(process: psutil.Process) -> str:
+    """Of a process of a run, or the command of another one; empty if it has just ended."""
+    with contextlib.suppress(psutil.Error):
+        return " ".join(process.cmdline()).strip()  # a title leaves the rest of the line empty
+    return ""
+
+
 def echelon(*words: str, check: int | None = 0) -> subprocess.CompletedProcess[str]:
     """Run a command to its end."""
     done = subprocess.run(
@@ -113,14 +120,13 @@ class Up:
         )
         return state
 
-    def pid(self, title: str) -> int:
-        """Of the process with this title, such as "agent 2"."""
+    def pid(self, name: str) -> int:
+        """Of the process with this name in its title, such as "agent 2"."""
 
         def find() -> int | None:
             for process in processes(self.folder):
-                with contextlib.suppress(psutil.Error):
-                    if process.cmdline()[:1] == [f"echelon test: {title}"]:
-                        return int(process.pid)
+                if title(process) == f"echelon test: {name}":
+                    return int(process.pid)
             return None
 
         return int(wait_for(find))

@@ -26,7 +26,7 @@ from runtime import inprocess
 from runtime.process_list import Program, RunPlan, programs
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
-from tests.processes.live import echelon, wait_for
+from tests.processes.live import echelon, title, wait_for
 
 pytestmark = [pytest.mark.processes, pytest.mark.usefixtures("runs")]
 
@@ -138,7 +138,7 @@ def test_a_run_of_which_every_process_is_suspended_for_seven_seconds_is_the_same
 
         def all_are_named() -> bool:
             children = psutil.Process().children(recursive=True)
-            stopped[:] = [child for child in children if " ".join(child.cmdline()).startswith("echelon lockstep: ")]
+            stopped[:] = [child for child in children if title(child).startswith("echelon lockstep: ")]
             return len(stopped) == 5
 
         wait_for(all_are_named)  # router, world, three agents

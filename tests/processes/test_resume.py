@@ -1,6 +1,5 @@
 """A run outlives its world: what users set is as it was, simulated time goes on, and a run that is paused stays so."""
 
-import contextlib
 import os
 import random
 import signal
@@ -19,7 +18,7 @@ from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime import supervisor
 from runtime.launcher import LiveRun
-from tests.processes.live import compiled, runs, wait_for
+from tests.processes.live import compiled, runs, title, wait_for
 from world.resume.saver import SECONDS
 
 __all__ = ["compiled", "runs"]
@@ -68,9 +67,8 @@ class Watched:
 def world_of() -> int:
     """Process id of the run's world; it may have the environment of an earlier test, which started the fork server."""
     for process in psutil.Process().children(recursive=True):
-        with contextlib.suppress(psutil.Error):
-            if "echelon test: world" in " ".join(process.cmdline()):
-                return int(process.pid)
+        if "echelon test: world" in title(process):
+            return int(process.pid)
     raise AssertionError("there is no world")
 
 

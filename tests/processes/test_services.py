@@ -1,6 +1,5 @@
 """The services of compose.yaml, each by its very command, from another folder; only where they meet differs."""
 
-import contextlib
 import os
 import signal
 import socket
@@ -20,7 +19,7 @@ from network.codec import decode
 from network.messages import State
 from network.zenoh_bus import ZenohBus
 from runtime.compose import KEYS, ROUTER_PORT, RUN, SAVED, plan
-from tests.processes.live import compiled, wait_for
+from tests.processes.live import compiled, title, wait_for
 from world.resume.saver import SECONDS
 
 __all__ = ["compiled"]
@@ -95,11 +94,7 @@ class Services:
     def agents_of(self, name: str) -> set[int]:
         """Robots whose agents a service runs."""
         children = psutil.Process(self.running[name].pid).children(recursive=True)
-        titles = []
-        for child in children:
-            with contextlib.suppress(psutil.NoSuchProcess):
-                titles.append(" ".join(child.cmdline()))
-        return {int(title.split()[-1]) for title in titles if ": agent " in title}
+        return {int(one.split()[-1]) for one in map(title, children) if ": agent " in one}
 
     def text(self) -> str:
         self.log.flush()

@@ -9,14 +9,13 @@ import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 import pytest
 
 from network import topics
 from network.values import Event
 from network.zenoh_bus import ZenohBus
 from tests import builders
-from tests.processes.live import Up, echelon, processes, wait_for
+from tests.processes.live import Up, echelon, processes, title, wait_for
 
 pytestmark = pytest.mark.processes
 Start = Callable[..., Up]
@@ -50,8 +49,8 @@ def test_an_agent_that_a_person_kills_stays_down_until_it_is_restarted(up: Start
     pid = run.pid("agent 2")
 
     def agents() -> list[int]:
-        titles = [process.cmdline()[:1] for process in processes(runs)]
-        return [i for i in (1, 2, 3) if [f"echelon test: agent {i}"] in titles]
+        titles = [title(process) for process in processes(runs)]
+        return [i for i in (1, 2, 3) if f"echelon test: agent {i}" in titles]
 
     for _ in range(2):
         echelon("control", "kill", "2")
@@ -215,7 +214,7 @@ def test_a_token_may_begin_with_a_dash_and_is_in_no_list_of_processes(up: Start,
     token = "-" + "a" * 20
     run = up("triangle-circle", "--port", "0", "--host", "0.0.0.0", f"--token={token}")
     wait_for(lambda: re.search(r"dashboard: http://\S+token=-aaa", run.text()))
-    assert not [process for process in processes(runs) if token in " ".join(process.cmdline())]
+    assert not [process for process in processes(runs) if token in title(process)]
     assert run.end() == 0
     assert "Traceback" not in run.text()
 
@@ -235,11 +234,8 @@ def test_a_forged_state_costs_seconds_and_no_agent_is_left_over(up: Start, runs:
             time.sleep(0.03)
 
     def agents() -> list[str]:
-        found = []
-        for process in processes(runs):
-            with contextlib.suppress(psutil.Error, IndexError):  # it has just ended
-                found.append(process.cmdline()[0])
-        return sorted(title for title in found if title.startswith("echelon test: agent"))
+        titles = map(title, processes(runs))
+        return sorted(one for one in titles if one.startswith("echelon test: agent"))
 
     wait_for(lambda: agents() == [f"echelon test: agent {i}" for i in (1, 2, 3)] and run.status()["live"] == [1, 2, 3])
     time.sleep(0.5)

@@ -143,7 +143,7 @@ def ledger(found: Mapping[tuple[str, str], Signals]) -> Table:
         "stuck_ledger",
         "The ledger of `nash`, as the page and summaries have it: errors of a robot above its limit "
         "(`metrics.excursion`), and the likely cause by the rule of docs/theory.md, section 9; recovery counts from "
-        "the cause's end",
+        "the end of the cause",
         ("links", "whose error", "from s", "largest mm", "recovered after s", "likely cause"),
         tuple(rows),
     )

@@ -12,7 +12,7 @@ from typing import IO, Self
 
 from formation.scenario.overrides import from_settings, to_json
 from network.access.robot_numbers import spelled
-from network.control import Operation, Pause, Start, UseScenario
+from network.control import Operation
 from network.messages import Ghost, State
 from tests.browser.watch import Watch
 
@@ -107,17 +107,6 @@ class BrowserRun:
         found = re.fullmatch(r"dashboard: (http://127\.0\.0\.1:\d+)\n", line)
         assert found, f"expected the dashboard's address; got {line!r}"
         return found[1]
-
-    def begin(self, scenario: str, *settings: str) -> None:
-        """Another scenario on a dashboard that has seen nothing yet: as in a run of its own, for less."""
-        self.end("dashboard")
-        self.ask(UseScenario(scenario=scenario, overrides=from_settings(settings)))
-        self.ask(Start())
-        self.url = self.start_dashboard()
-
-    def rest(self) -> None:
-        """Take no processor time from other tests until it begins again."""
-        self.ask(Pause())
 
     def state(self, seconds: float = 10.0) -> State:
         """The next state."""

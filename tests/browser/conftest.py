@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from runtime.precompile import ensure_compiled
-from tests.browser.browser_run import BrowserRun
 from tests.exceptions import chromium, needs
 
 if TYPE_CHECKING:
@@ -38,11 +36,3 @@ def browser() -> "Iterator[Browser]":
         started = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         yield started
         started.close()
-
-
-@pytest.fixture(scope="package")
-def shared_run(browser: "Browser") -> Iterator[BrowserRun]:
-    """Of four robots, for one file after the other, which begins its scenario; robot 2's agent can be killed."""
-    ensure_compiled(print)
-    with BrowserRun("triangle-circle", robots=4, alone={2}) as running:
-        yield running

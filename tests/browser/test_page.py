@@ -35,10 +35,9 @@ NEWEST = """() => Object.values(window.__viserTestpoints.uplots).map(
 
 
 @pytest.fixture(scope="module")
-def run(shared_run: BrowserRun) -> Iterator[BrowserRun]:
-    shared_run.begin("triangle-circle")
-    yield shared_run
-    shared_run.rest()
+def run() -> Iterator[BrowserRun]:
+    with BrowserRun("triangle-circle", robots=3, alone={2}) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

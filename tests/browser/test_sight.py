@@ -29,10 +29,9 @@ OVERLAY = """() => {
 
 
 @pytest.fixture(scope="module")
-def run(shared_run: BrowserRun) -> Iterator[BrowserRun]:
-    shared_run.begin("follow-the-leader")
-    yield shared_run
-    shared_run.rest()
+def run() -> Iterator[BrowserRun]:
+    with BrowserRun("follow-the-leader", robots=4, alone={2}) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ from formation.metrics import nearest
 from formation.paths.waypoints import Waypoints
 from formation.scenario.files import load
 from network.interventions import Move, Push
+from runtime.precompile import ensure_compiled
 from tests.browser.browser_run import BrowserRun
 from tests.browser.driven import Driven
 
@@ -22,12 +23,12 @@ pytestmark = [pytest.mark.browser, pytest.mark.processes]
 
 
 @pytest.fixture(scope="module")
-def driven(browser: "Browser", shared_run: BrowserRun) -> Iterator[tuple[BrowserRun, Driven]]:
-    shared_run.begin("drive-me", "bodies=ideal")
-    page = Driven(browser, shared_run.url)
-    yield shared_run, page
-    page.page.close()
-    shared_run.rest()
+def driven(browser: "Browser") -> Iterator[tuple[BrowserRun, Driven]]:
+    ensure_compiled(print)
+    with BrowserRun("drive-me", 4, alone={2}, settings=["bodies=ideal"]) as run:
+        page = Driven(browser, run.url)
+        yield run, page
+        page.page.close()
 
 
 @pytest.fixture(scope="module")

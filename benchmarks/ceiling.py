@@ -27,7 +27,7 @@ import msgpack
 
 from benchmarks import bare
 from benchmarks.paced import in_process_rows, paced_rows, shown
-from benchmarks.speed import HERE, SEEDS, TICK, Checkout
+from benchmarks.speed import SEEDS, TICK, Checkout
 from formation.scenario.files import load
 from network.codec import decode, encode, unseal
 from network.messages import Message
@@ -159,7 +159,7 @@ def main() -> None:
     options = parser.parse_args()
     ensure_compiled(lambda line: print(line, file=sys.stderr))
     ctypes.CDLL(None).prctl(SUBREAPER, 1, 0, 0, 0)
-    checkout = Checkout(HERE, Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache"))
+    checkout = Checkout.here()
     began, figures = time.perf_counter(), []
     for robots in map(int, options.robots.split(",")):
         print(f"{robots} robots ...", file=sys.stderr, flush=True)

@@ -18,7 +18,7 @@ import psutil
 from playwright.sync_api import Browser, sync_playwright
 
 from benchmarks.controls import size
-from benchmarks.speed import HERE, Checkout
+from benchmarks.speed import Checkout
 from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
 
@@ -27,42 +27,41 @@ PATIENCE_MS = 600_000
 WARM_MS = 5_000
 """Before what is measured [ms]."""
 FRAMES = """milliseconds => new Promise(done => {
-  let frames = 0;
+  const places = () => window.__viserSceneTree.getState()["/bodies"].message.props.batched_positions;
+  let frames = 0, moved = 0, before = places();
   const began = performance.now();
   const next = () => {
+    const now = places(), passed = performance.now() - began;
     frames += 1;
-    const passed = performance.now() - began;
-    passed < milliseconds ? requestAnimationFrame(next) : done(1000 * frames / passed);
+    moved += now !== before;
+    before = now;
+    passed < milliseconds ? requestAnimationFrame(next) : done([1000 * frames / passed, 1000 * moved / passed]);
   };
   requestAnimationFrame(next);
 })"""
-
+"""Frames a second, and those in which the bodies have other places than in the one before."""
 SHOWN = (
-    "{robots:4d} robots: {updates_per_s:.1f} updates/s, {frames_per_s:.1f} frames/s, {simulated_s_per_s:.2f} x real "
-    "time, dashboard {cpu_dashboard:.0%} of a core, {memory_dashboard_mb:.0f} MB"
+    "{robots:4d} robots: {moved_per_s:.1f} of {frames_per_s:.1f} frames/s show new places, {simulated_s_per_s:.2f} "
+    "x real time, dashboard {cpu_dashboard:.0%} of a core, {memory_dashboard_mb:.0f} MB"
 )
 
 
 def measure(browser: Browser, robots: int, seconds: float, window: tuple[int, int]) -> dict[str, Any]:
-    """Updates that reach the page, frames that it draws, and what the processes take, a second."""
+    """Frames that the page draws, those with new places of the robots, and what the dashboard takes, a second."""
     settings = ("formation.shape='polygon'", f"formation.robots={robots}", "formation.spacing=0.1")
     with BrowserRun("circle", robots, agents=0, world="benchmarks.ensemble", settings=settings) as run:
         page = browser.new_page(viewport={"width": window[0], "height": window[1]})
-        updates: list[float] = []
-        # Viser sends what a frame changes as one message; small ones are its windows' sizes and clocks.
-        page.on("websocket", lambda socket: socket.on("framereceived", lambda data: updates.append(len(data))))
         page.goto(run.url)
         page.wait_for_function("/RUNNING/i.test(document.body.innerText)", timeout=PATIENCE_MS)
         page.wait_for_timeout(WARM_MS)
         dashboard, before = psutil.Process(run.pid("dashboard")), run.state(60.0)
         spent, since = sum(dashboard.cpu_times()[:2]), time.monotonic()
-        updates.clear()
-        drawn = page.evaluate(FRAMES, 1e3 * seconds)
+        drawn, moved = page.evaluate(FRAMES, 1e3 * seconds)
         took, after = time.monotonic() - since, run.state(60.0)
         found = {
             "robots": robots,
-            "updates_per_s": len([one for one in updates if one > robots]) / took,
             "frames_per_s": drawn,
+            "moved_per_s": moved,
             "simulated_s_per_s": (after.stamp - before.stamp) / took,
             "cpu_dashboard": (sum(dashboard.cpu_times()[:2]) - spent) / took,
             "memory_dashboard_mb": dashboard.memory_info().rss / 1e6,
@@ -89,7 +88,7 @@ def main() -> None:
             print(SHOWN.format(**rows[-1]), flush=True)
         browser.close()
     if options.json:
-        checkout = Checkout(HERE, Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache"))
+        checkout = Checkout.here()
         facts = {"commit": checkout.commit(), "load": os.getloadavg(), "seconds": options.seconds, "rows": rows}
         options.json.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 

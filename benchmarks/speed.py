@@ -19,7 +19,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 HERE = Path(__file__).parents[1]
 BOUND = 1.05
@@ -91,12 +91,22 @@ MEASUREMENTS: dict[str, Callable[["Checkout", int], dict[str, float]]] = {}
 """Time [s] of each figure, by name, of one checkout and seed."""
 
 
+def own_cache() -> Path:
+    """Where the kernels of this checkout are kept."""
+    return Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache")
+
+
 @dataclass(frozen=True, slots=True)
 class Checkout:
     """A folder with sources, and where its kernels are kept."""
 
     path: Path
     cache: Path
+
+    @classmethod
+    def here(cls) -> Self:
+        """This one, with the kernels that everybody uses."""
+        return cls(HERE, own_cache())
 
     def call(self, *arguments: str) -> tuple[str, float]:
         """Output and duration [s] of one command of the command line."""
@@ -222,7 +232,7 @@ def main() -> None:
     parser.add_argument("--only", default="", metavar="TEXT", help="measurements whose name holds this")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     options = parser.parse_args()
-    base = Path(os.environ.get("ECHELON_CACHE") or Path.home() / ".cache") / "speed"
+    base = own_cache() / "speed"
     ours, theirs = (
         Checkout(path.resolve(), base / side) for path, side in ((HERE, "ours"), (options.against, "theirs"))
     )

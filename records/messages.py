@@ -37,12 +37,23 @@ class Lines(NamedTuple):
     """[m]."""
 
 
+@lru_cache(maxsize=4)
+def frames(robots: int) -> list[str]:
+    """Names of the frames of so many robots: first their own, then their slots', and the centre's."""
+    numbers = range(1, robots + 1)
+    return [*(f"robot{i}" for i in numbers), *(f"slot{i}" for i in numbers), "centre"]
+
+
+def _packed(stamp: int) -> bytes:
+    return _TIME.pack(*divmod(stamp, 10**9))
+
+
 def _time(cdr: Cdr, stamp: int) -> None:
-    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)), 4)
+    cdr.raw(_packed(stamp), 4)
 
 
 def _header(cdr: Cdr, stamp: int, frame: str) -> None:
-    cdr.raw(_TIME.pack(*divmod(stamp, 10**9)) + string(frame), 4)
+    cdr.raw(_packed(stamp) + string(frame), 4)
 
 
 def _placed(poses: FloatArray) -> FloatArray:
@@ -85,25 +96,25 @@ def twist_stamped(stamp: int, frame: str, velocity: FloatArray) -> bytes:
     return twists_stamped(stamp, [frame], velocity[None])[0]
 
 
-def twists_stamped(stamp: int, frames: Iterable[str], velocities: FloatArray) -> list[bytes]:
+def twists_stamped(stamp: int, children: Iterable[str], velocities: FloatArray) -> list[bytes]:
     """geometry_msgs/TwistStamped of each row v, omega (n, 2) [m/s, rad/s] in its own frame."""
-    begins = HEAD + _TIME.pack(*divmod(stamp, 10**9))
-    return [begins + _names(0, frame) + row.tobytes() for frame, row in zip(frames, _twists(velocities), strict=True)]
+    begins = HEAD + _packed(stamp)
+    return [begins + _names(0, child) + row.tobytes() for child, row in zip(children, _twists(velocities), strict=True)]
 
 
 def odometries(stamp: int, children: Iterable[str], poses: FloatArray, velocities: FloatArray) -> list[bytes]:
     """nav_msgs/Odometry of each robot: its pose (n, 3) in the map, and its v, omega (n, 2) in its own frame."""
-    begins = HEAD + _TIME.pack(*divmod(stamp, 10**9))
+    begins = HEAD + _packed(stamp)
     rows = np.zeros((len(poses), 85), "<f8")
     rows[:, :7], rows[:, 43:49] = _placed(poses), _twists(velocities)  # each before its covariance
     return [begins + _names(0, MAP, child) + row.tobytes() for child, row in zip(children, rows, strict=True)]
 
 
-def transforms(stamp: int, frames: Sequence[str], poses: FloatArray) -> bytes:
+def transforms(stamp: int, children: Sequence[str], poses: FloatArray) -> bytes:
     """tf2_msgs/TFMessage: where each frame is in the map, (n, 3)."""
     drawn = _drawn(poses).astype("<f8", copy=False)
-    begins, found, at = _TIME.pack(*divmod(stamp, 10**9)), [HEAD, struct.pack("<I", len(frames))], 4
-    for child, row in zip(frames, drawn, strict=True):
+    begins, found, at = _packed(stamp), [HEAD, struct.pack("<I", len(children))], 4
+    for child, row in zip(children, drawn, strict=True):
         found += (begins, _names(at, MAP, child), row.tobytes())
         at = 0
     return b"".join(found)

@@ -64,7 +64,7 @@ def _record(bus: Bus, file: RecordFile, lifetime: Lifetime, detail: Detail) -> N
         while not lifetime.over:
             take(recorder, bus.arrivals(FLUSH_SECONDS), log)
             sleep(LOOK_SECONDS)
-            if monotonic() - flushed >= FLUSH_SECONDS:
+            if monotonic() - flushed >= FLUSH_SECONDS - LOOK_SECONDS:  # at the next look it would be too late
                 file.flush()
                 flushed = monotonic()
                 count += 1

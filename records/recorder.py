@@ -4,7 +4,6 @@ import itertools
 import json
 import zlib
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -189,8 +188,8 @@ class Recorder:
         """What viewers show of the last tick."""
         at = self._time(episode, episode.next - 1)
         slots = stretch.slots
-        robots, frames = _frames(episode.robots)
-        placed = np.vstack([poses, slots, stretch.centre])
+        frames = messages.frames(episode.robots)
+        robots, placed = frames[: episode.robots], np.vstack([poses, slots, stretch.centre])
         self._write("/tf", "tf2_msgs/TFMessage", at, messages.transforms(at, frames, placed))
         driven = messages.odometries(at, robots, poses, inputs)
         commanded = messages.twists_stamped(at, robots, inputs)
@@ -248,13 +247,6 @@ class Recorder:
         if self.full and self._episode is not None and not self._episode.again:
             at = self._episode.begins + round(self._now * 1e9)
             self._write(f"/wire/{key}", "echelon_msgs/Wire", at, messages.wire(key, payload))
-
-
-@lru_cache(maxsize=4)
-def _frames(robots: int) -> tuple[list[str], list[str]]:
-    """Names of the robots' frames, and of all: the robots', their slots', the centre's."""
-    own = [f"robot{i}" for i in range(1, robots + 1)]
-    return own, [*own, *(f"slot{i}" for i in range(1, robots + 1)), "centre"]
 
 
 def _nearest(poses: FloatArray, radii: FloatArray) -> tuple[float, float]:

@@ -91,12 +91,12 @@ class DisplayNode:
         return found
 
     def _poses(self, state: State, stamp: int) -> list[Shown]:
-        everybody = range(1, len(state.poses) + 1)
-        frames = [*(f"robot{i}" for i in everybody), *(f"slot{i}" for i in everybody), "centre"]
+        n = len(state.poses)
+        frames = messages.frames(n)
         placed = np.vstack([state.poses, state.slots, state.centre])
         found = [Shown("/tf", TF, messages.transforms(stamp, frames, placed))]
-        simulated = [i for i in everybody if i not in self._real]
-        robots = [f"robot{i}" for i in simulated]
+        simulated = [i for i in range(1, n + 1) if i not in self._real]
+        robots = [frames[i - 1] for i in simulated]
         poses = np.array([state.poses[i - 1] for i in simulated]).reshape(-1, 3)
         velocities = np.array([self._velocity(state, i) for i in simulated]).reshape(-1, 2)
         moved = messages.odometries(stamp, robots, poses, velocities)

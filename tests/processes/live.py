@@ -54,7 +54,7 @@ def processes(folder: Path) -> list[psutil.Process]:
         with contextlib.suppress(psutil.Error):
             if process.pid == os.getpid() or process.status() == psutil.STATUS_ZOMBIE:
                 continue
-            if process.ppid() == os.getpid() and "multiprocessing" in " ".join(process.cmdline()):
+            if process.ppid() == os.getpid() and "multiprocessing" in title(process):
                 continue  # the fork server of this test process serves the next tests too
             if process.environ().get("ECHELON_RUNS") == str(folder):
                 found.append(process)

@@ -21,6 +21,7 @@ from benchmarks.controls import size
 from benchmarks.speed import Checkout
 from tests.browser.browser_run import BrowserRun
 from tests.browser.conftest import FLAGS
+from tests.browser.driven import READY
 
 PATIENCE_MS = 600_000
 """Longest wait for a page with all robots [ms]."""
@@ -52,7 +53,7 @@ def measure(browser: Browser, robots: int, seconds: float, window: tuple[int, in
     with BrowserRun("circle", robots, agents=0, world="benchmarks.ensemble", settings=settings) as run:
         page = browser.new_page(viewport={"width": window[0], "height": window[1]})
         page.goto(run.url)
-        page.wait_for_function("/RUNNING/i.test(document.body.innerText)", timeout=PATIENCE_MS)
+        page.wait_for_function(READY, timeout=PATIENCE_MS, polling=100)
         page.wait_for_timeout(WARM_MS)
         dashboard, before = psutil.Process(run.pid("dashboard")), run.state(60.0)
         spent, since = sum(dashboard.cpu_times()[:2]), time.monotonic()

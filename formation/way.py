@@ -209,7 +209,10 @@ class HeardReference:
     def _fill(self, begin: int, end: int) -> None:
         """Compute the rows of ticks begin .. end - 1 anew."""
         if end - self._block.first > len(self._block.slots):
-            self._move(begin - BEHIND_TICKS)
+            first = begin - BEHIND_TICKS
+            if end - begin > BLOCK_TICKS:  # it began in the middle of an episode: nobody asks for what was long ago
+                first = begin = end - BLOCK_TICKS
+            self._move(first)
         centre = self._centre(begin - 1, end + self._stride + 1)
         new = block_of(
             begin,
@@ -226,8 +229,8 @@ class HeardReference:
     def _move(self, first: int) -> None:
         """A block that begins later, with the rows that both have."""
         old, self._block = self._block, self._empty(first)
-        kept = slice(first - old.first, self._filled - old.first)
-        count = self._filled - first
+        count = max(0, self._filled - first)
+        kept = slice(first - old.first, first - old.first + count)
         for name in ("centre", "slots", "inputs"):
             getattr(self._block, name)[:count] = getattr(old, name)[kept]
 

@@ -5,6 +5,7 @@ import pytest
 
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
+from formation.metrics import wrapped
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from formation.way import BRAKE, HOLD, HeardReference
@@ -36,6 +37,21 @@ def test_slots_from_previews_are_those_of_the_path(name: str) -> None:
     rows = np.arange(k, k + ticks - scenario.stride)
     for values, wanted in ((mine.slots, path.slots), (mine.inputs, path.inputs)):
         assert np.abs(values[rows - mine.first] - wanted[rows - path.first]).max() < 3 * MICRO
+
+
+@pytest.mark.parametrize("k", [500, 3000, 3200, 20_000])
+def test_a_robot_that_begins_in_the_middle_of_an_episode_has_the_slots_of_the_others(k: int) -> None:
+    """Its agent was started again: however long the episode, what it hears first is enough."""
+    scenario = told()
+    own, ticks = heard(scenario)
+    known = scenario.reference([2, 1])
+    own.forget()
+    assert own.hear(known.preview(k), k + 1)
+    mine, path = own.block(k + 1), known.block(k + 1)
+    rows = np.arange(k + 1, k + ticks - scenario.stride)
+    apart = mine.slots[rows - mine.first] - path.slots[rows - path.first]
+    apart[..., 2] = wrapped(apart[..., 2])
+    assert np.abs(apart).max() < 3 * MICRO
 
 
 def test_beyond_the_preview_the_slots_go_on_then_stand_still() -> None:

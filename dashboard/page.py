@@ -153,18 +153,16 @@ class Page:
     def _link_clicked(self, sender: int) -> None:
         self._faults.choose("link", sender)
 
-    def _clicked(self, verb: str, number: int, event: viser.GuiEvent[Any]) -> None:
+    def _clicked(self, verb: str, number: int, client: viser.ClientHandle) -> None:
         """A user clicked a cell of a table."""
-        if event.client is None:
-            return
         if verb == "focus":
-            self._view.focus_on(event.client, number)
+            self._view.focus_on(client, number)
         elif verb in VERBS and not self._requests.possible:
-            self._requests.refuse(*NO_RUN, event.client_id)
+            self._requests.refuse(*NO_RUN, client.client_id)
         elif verb == LEDGER:
             self._ledger.press(number)
         elif verb in VERBS:
-            self._agent_lifecycle.clicked(verb, number, event.client)
+            self._agent_lifecycle.clicked(verb, number, client)
         else:
             self._faults.choose(verb, number)
 

@@ -104,7 +104,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"telemetry"},
         {"theme"},
         {"scene"},
-        {"export", "keys", "notices", "pacing"},
+        {"edits", "export", "keys", "notices", "pacing"},
         {"requests", "scenario_list"},
         {"panels"},
         {"steering"},

@@ -12,6 +12,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit
 from dashboard.keys import CELLS, COMMANDS, HANDLE, HELP, driving_keys
 from dashboard.notices import Notice
 from dashboard.overlay.chips import chips
@@ -45,7 +46,7 @@ class Overlay:
         self._server, self._on_written = server, on_written
         gui = server.gui
         self._text: Any = gui.add_text("Overlay", "")
-        self._text.on_update(self._written)
+        on_edit(self._text, self._written)
         label = f"label[for='{self._text._impl.uuid}']"
         script = "\n".join(_script(name) for name in SCRIPTS).replace("LABEL", label)
         script = script.replace('"TABLES"', json.dumps(_tables()))
@@ -64,10 +65,9 @@ class Overlay:
     def _closed(self, client: viser.ClientHandle) -> None:
         self._notices.pop(client.client_id, None)
 
-    def _written(self, event: viser.GuiEvent[Any]) -> None:
-        text = event.target.value
-        if event.client_id is not None and isinstance(text, str) and len(text) <= MAX_TEXT:
-            self._on_written(event.client_id, text.split(",")[:-1])  # behind the last comma: what makes it differ
+    def _written(self, edit: Edit) -> None:
+        if len(edit.value) <= MAX_TEXT:
+            self._on_written(edit.page, edit.value.split(",")[:-1])  # behind the last comma: what makes it differ
 
     def notify(self, page: int | None, notice: Notice) -> None:
         """Show a notice for a while in the status line of one page, or of all."""

@@ -4,6 +4,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit
 from dashboard.requests import RequestQueue
 from network.control import Kill, Operation, Restart
 from network.interventions import Join, Leave
@@ -57,13 +58,12 @@ class AgentLifecycle:
             )
             cancel = client.gui.add_button("Cancel", color="gray")
 
-        def done(event: viser.GuiEvent[Any]) -> None:
-            self._close(client.client_id)
-            if event.target is confirm:
-                self._requests.ask(operation, client.client_id)
+        def confirmed(edit: Edit) -> None:
+            self._close(edit.page)
+            self._requests.ask(operation, edit.page)
 
-        confirm.on_click(done)
-        cancel.on_click(done)
+        on_edit(confirm, confirmed)
+        on_edit(cancel, lambda edit: self._close(edit.page))
 
     def _close(self, page: int) -> None:
         modal = self._open.pop(page, None)

@@ -9,6 +9,8 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit
+
 NOTHING = "nothing"
 NAMES = {
     "all": "Aim faults at all links",
@@ -22,8 +24,8 @@ NAMES = {
 }
 """What a cell of a verb is called for those who do not see the table; other verbs stand before the robot's number."""
 
-OnClick = Callable[[str, int, viser.GuiEvent[Any]], None]
-"""(verb, number, event): what was clicked."""
+OnClick = Callable[[str, int, viser.ClientHandle], None]
+"""(verb, number, page): what was clicked, and where."""
 
 
 class Clickable:
@@ -42,7 +44,7 @@ class Clickable:
             ".querySelectorAll('button')[c.dataset.click].click()"
         )
         """For `onpointerdown` of the element around the cells; a table may be replaced before the release."""
-        self._group.on_click(self._clicked)
+        on_edit(self._group, self._clicked)
 
     def set_verbs(self, verbs: dict[str, int]) -> None:
         """Take clicks of these verbs, each with numbers from 0 up to this one."""
@@ -60,9 +62,7 @@ class Clickable:
         index = str(self._indices[name])
         return {"data-click": index, "data-cell": name, "role": "button", "tabindex": "0", "aria-label": words}
 
-    def _clicked(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is None or event.target.value not in self._group.options:  # a page may send anything
-            return
-        verb, _, number = event.target.value.partition(" ")
+    def _clicked(self, edit: Edit) -> None:
+        verb, _, number = edit.value.partition(" ")
         if number:
-            self._on_click(verb, int(number), event)
+            self._on_click(verb, int(number), edit.client)

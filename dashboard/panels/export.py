@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import on_edit
 from dashboard.export.csv_table import as_csv
 from dashboard.export.file_name import file_name
 from dashboard.export.picture import as_png
@@ -46,7 +47,7 @@ class ExportButtons:
         self._busy = threading.Lock()
         self._errors = ThrottledLog()
         group = gui.add_button_group("Export", (REPLAY, CSV, PICTURE), hint=HINT)
-        group.on_click(lambda event: self._export(event.target.value, event.client))
+        on_edit(group, lambda edit: self._export(edit.value, edit.client), slow=True)
         for what, icon in ((REPLAY, viser.Icon.MOVIE), (CSV, viser.Icon.CSV), (PICTURE, viser.Icon.PHOTO)):
             command = gui.add_command(f"Export: {what}", icon=icon)
             command.on_trigger(lambda event, what=what: self._export(what, event.client))  # type: ignore[misc]

@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit, set_value
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
 from dashboard.requests import RequestQueue
 from dashboard.theme.templates import render
@@ -41,24 +42,24 @@ class FaultPanel:
             self._clear = gui.add_button("Clear this target", color="gray", hint="Remove all faults from the target")
             with gui.add_folder("More faults", expand_by_default=False):
                 self._add_sliders(gui, often=False)
-        self._target.on_update(lambda _: self._release())
-        self._cut.control.on_update(lambda event: self._set(event, "cut", bool(event.target.value)))
-        self._preset.on_update(self._use_preset)
+        on_edit(self._target, lambda _: self._release())
+        on_edit(self._cut.control, lambda edit: self._set(edit, "cut", bool(edit.value)))
+        on_edit(self._preset, self._use_preset)
+        on_edit(self._clear, lambda edit: self._requests.clear(self.target, edit.page))
         if not requests.possible:
             sliders = (slider.control for slider in self._sliders.values())
             for control in (self._preset, self._cut.control, self._timed, self._clear, *sliders):
                 control.disabled = True
-        self._clear.on_click(lambda event: self._requests.clear(self.target, event.client_id))
 
     def _add_sliders(self, gui: viser.GuiApi, *, often: bool) -> None:
         for key, shown in SLIDERS.items():
             if shown.often == often:
                 slider = gui.add_slider(f"{shown.label} {shown.unit}".strip(), 0.0, shown.top, shown.step, 0.0)
-                slider.on_update(partial(self._slider_moved, key))
+                on_edit(slider, partial(self._slider_moved, key))
                 self._sliders[key] = MirroredControl(slider)
 
-    def _slider_moved(self, key: str, event: viser.GuiEvent[Any]) -> None:
-        self._set(event, key, float(event.target.value) / SLIDERS[key].factor)
+    def _slider_moved(self, key: str, edit: Edit) -> None:
+        self._set(edit, key, float(edit.value) / SLIDERS[key].factor)
 
     # ------------------------------------------------------------------ from the user to the world
 
@@ -78,19 +79,18 @@ class FaultPanel:
         label = {"driver": arrow(DRIVING), "link": link, "both": f"Robot {number}: from and to"}
         chosen = label.get(verb, ALL)
         if chosen in self._target.options:
-            self._target.value = chosen
+            set_value(self._target, chosen)
+            self._release()
 
     def _seconds(self) -> float | None:
         return FOR_SECONDS if self._timed.value else None
 
-    def _set(self, event: viser.GuiEvent[Any], key: str, value: float | bool) -> None:
-        if event.client_id is None:  # set by `draw`, not by a user
-            return
-        self._requests.change(self.target, {key: value}, self._seconds(), event.client_id, at_once=key == "cut")
+    def _set(self, edit: Edit, key: str, value: float | bool) -> None:
+        self._requests.change(self.target, {key: value}, self._seconds(), edit.page, at_once=key == "cut")
 
-    def _use_preset(self, event: viser.GuiEvent[Any]) -> None:
-        name = event.target.value
-        if event.client_id is None or name == PICK:
+    def _use_preset(self, edit: Edit) -> None:
+        name = edit.value
+        if name == PICK:
             return
         self._release()
         for link in self.target:
@@ -100,8 +100,8 @@ class FaultPanel:
                 if seconds is None
                 else SetPreset(link=link, preset=name, seconds=seconds)
             )
-            self._requests.ask(operation, event.client_id)
-        self._preset.value = PICK
+            self._requests.ask(operation, edit.page)
+        set_value(self._preset, PICK)
 
     # ------------------------------------------------------------------ from the world to the panel
 

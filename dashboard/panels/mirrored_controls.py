@@ -3,6 +3,8 @@
 from time import time
 from typing import Any
 
+from dashboard.edits import between_edits
+
 HOLD_SECONDS = 0.8
 """A user's value is kept for so long, until the world has had time to take it over [s]."""
 
@@ -16,11 +18,13 @@ class MirroredControl:
 
     def show(self, value: Any) -> None:
         """Show the world's value, unless a user has set another within HOLD_SECONDS."""
+        if self.control.value != value:
+            between_edits(self.control, self._write, value)
+
+    def _write(self, value: Any) -> None:
         control = self.control
-        if control.value == value:
-            return
-        edited = control.update_timestamp  # viser stamps an edit before it calls anybody
-        if edited != self._own and time() - edited < HOLD_SECONDS:
+        edited = control.update_timestamp
+        if control.value == value or (edited != self._own and time() - edited < HOLD_SECONDS):
             return
         control.value = value
         self._own = control.update_timestamp
@@ -35,6 +39,11 @@ def set_options(dropdown: Any, options: tuple[str, ...]) -> None:
 
     A page may have sent any text as the value: that is replaced too.
     """
+    if dropdown.options != options or dropdown.value not in options:
+        between_edits(dropdown, _write_options, dropdown, options)
+
+
+def _write_options(dropdown: Any, options: tuple[str, ...]) -> None:
     chosen = dropdown.value
     if dropdown.options != options:
         dropdown.options = options

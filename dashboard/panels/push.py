@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from dashboard.edits import Edit, on_edit, set_value
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed, set_options
 from dashboard.requests import RequestQueue
 from dashboard.telemetry.snapshot import Snapshot
@@ -46,15 +47,15 @@ class PushPanel:
             )
             for row in buttons:
                 group = gui.add_button_group(" ", tuple(row), hint=_hint(row))
-                group.on_click(lambda event: self._press(event.target.value, event.client_id))
+                on_edit(group, self._press)
             release = gui.add_button("Release", color="gray", hint="End all pushes of this robot")
-            release.on_click(lambda event: self._release(event.client_id))
+            on_edit(release, lambda edit: self._requests.ask(Release(robot=self._number), edit.page))
             self._shape: Any = gui.add_dropdown("Shape", (PICK,), hint="Takes it from now on; a reset returns")
             self._spacing = MirroredControl(
                 gui.add_slider("Spacing mm", *SPACING, 100.0, hint="Least distance of two places")
             )
-        self._shape.on_update(self._reshape)
-        self._spacing.control.on_update(self._respace)
+        on_edit(self._shape, self._reshape)
+        on_edit(self._spacing.control, self._respace)
 
     # ------------------------------------------------------------------ from the user to the world
 
@@ -66,30 +67,20 @@ class PushPanel:
     def choose(self, robot: int) -> None:
         """Choose the robot that buttons push."""
         if 1 <= robot <= self._robots:
-            self._robot.value = _label(robot)
+            set_value(self._robot, _label(robot))
 
-    def _press(self, name: str, page: int | None) -> None:
-        kind = next((kind for kind in PUSHES if kind == str(name).lower()), None)
-        if page is None or kind is None:
-            return
-        seconds = FOR_SECONDS if self._timed.value is True else None
-        self._requests.ask(Push(robot=self._number, kind=kind, seconds=seconds), page)
+    def _press(self, edit: Edit) -> None:
+        kind = next(kind for kind in PUSHES if kind == edit.value.lower())
+        seconds = FOR_SECONDS if self._timed.value else None
+        self._requests.ask(Push(robot=self._number, kind=kind, seconds=seconds), edit.page)
 
-    def _release(self, page: int | None) -> None:
-        if page is not None:
-            self._requests.ask(Release(robot=self._number), page)
+    def _reshape(self, edit: Edit) -> None:
+        if edit.value in _shapes(self._robots):
+            self._requests.ask(Reshape(shape=edit.value), edit.page)
+            set_value(self._shape, PICK)
 
-    def _reshape(self, event: viser.GuiEvent[Any]) -> None:
-        name = event.target.value
-        if event.client_id is None or name not in _shapes(self._robots):
-            return
-        self._requests.ask(Reshape(shape=name), event.client_id)
-        self._shape.value = PICK
-
-    def _respace(self, event: viser.GuiEvent[Any]) -> None:
-        value = event.target.value
-        if event.client_id is not None and isinstance(value, int | float) and SPACING[0] <= value <= SPACING[1]:
-            self._requests.settle("spacing", Reshape(spacing=value / 1000.0), event.client_id)
+    def _respace(self, edit: Edit) -> None:
+        self._requests.settle("spacing", Reshape(spacing=edit.value / 1000.0), edit.page)
 
     def dragged(self, robot: int, event: viser.SceneNodeDragEvent[Any]) -> None:
         """A user drags this robot: a line shows where to; it is carried there once it is let go."""

@@ -4,6 +4,7 @@ from pathlib import PurePath
 
 import viser
 
+from dashboard.edits import on_edit
 from dashboard.requests import RequestQueue
 from dashboard.theme.templates import render
 from network.control import Record
@@ -21,9 +22,7 @@ class RecordPanel:
         self._note = gui.add_html("")
         self._button = gui.add_button(START, icon=viser.Icon.PLAYER_RECORD, hint=HINT)
         self._drawn = ""
-        self._button.on_click(
-            lambda event: requests.ask(Record(on=self._button.label == START), event.client and event.client.client_id)
-        )
+        on_edit(self._button, lambda edit: requests.ask(Record(on=self._button.label == START), edit.page))
 
     def draw(self, state: State) -> None:
         """Show how the record stands."""

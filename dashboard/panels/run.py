@@ -1,10 +1,10 @@
 """The run panel: summary, start, pause, step, reset, scenario, controller, speed. Labels show the world's state."""
 
 from time import monotonic
-from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit
 from dashboard.keys import bind
 from dashboard.panels.comparison import comparison
 from dashboard.panels.mirrored_controls import MirroredControl, set_if_changed
@@ -52,14 +52,12 @@ class RunPanel:
         self._compare = MirroredControl(gui.add_dropdown("Compare with", (NO_GHOST, *names()), hint=COMPARE_HINT))
         self._comparison = gui.add_html("")
         self._speed = MirroredControl(gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1 x real time"))
-        self._toggle.on_click(lambda event: self._switch(event.client_id))
-        self._actions.on_click(lambda event: self._act(event.target.value, event.client_id))
-        self._scenario.control.on_update(lambda event: self._choose(event, scenarios.operation))
-        self._controller.control.on_update(
-            lambda event: self._choose(event, lambda name: UseController(controller=name))
-        )
-        self._compare.control.on_update(lambda event: self._choose(event, _compare))
-        self._speed.control.on_update(lambda event: self._choose(event, lambda name: Speed(speed=_speed(name))))
+        on_edit(self._toggle, lambda edit: self._switch(edit.page))
+        on_edit(self._actions, lambda edit: self._act(edit.value, edit.page))
+        on_edit(self._scenario.control, self._choose_scenario, slow=True)
+        on_edit(self._controller.control, lambda edit: requests.ask(UseController(controller=edit.value), edit.page))
+        on_edit(self._compare.control, lambda edit: requests.ask(_compare(edit.value), edit.page))
+        on_edit(self._speed.control, self._choose_speed)
         self._add_commands(gui)
         if not feed.source.live:
             self._actions.visible = False
@@ -85,19 +83,22 @@ class RunPanel:
         if name in operations:
             self._requests.ask(operations[name], page)
 
-    def _choose(self, event: viser.GuiEvent[Any], operation: Any) -> None:
-        # A page may send anything; a scenario by its path must not be read for it.
-        if event.client_id is None or event.target.value not in event.target.options:
-            return
-        if not self._feed.source.live and event.target is self._speed.control:
-            self._feed.playhead.tell(["speed", str(_speed(event.target.value))])
+    def _choose_scenario(self, edit: Edit) -> None:
+        if edit.value not in self._scenarios.labels:  # the list is read again now and then
             return
         try:
-            asked = operation(event.target.value)
+            asked = self._scenarios.operation(edit.value)
         except ScenarioError as error:
-            self._requests.refuse("Not done", str(error), event.client_id)
+            self._requests.refuse("Not done", str(error), edit.page)
         else:
-            self._requests.ask(asked, event.client_id)
+            self._requests.ask(asked, edit.page)
+
+    def _choose_speed(self, edit: Edit) -> None:
+        speed = _speed(edit.value)
+        if self._feed.source.live:
+            self._requests.ask(Speed(speed=speed), edit.page)
+        else:
+            self._feed.playhead.tell(["speed", str(speed)])
 
     # ------------------------------------------------------------------ from the world to the panel
 

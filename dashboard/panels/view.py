@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit, set_value
 from dashboard.keys import bind
 from dashboard.panels.mirrored_controls import set_options
 from dashboard.scene.cameras import Cameras
@@ -42,10 +43,10 @@ class ViewPanel:
             with gui.add_folder("Layers", expand_by_default=False):
                 for name in LAYERS:
                     box = gui.add_checkbox(name, True)
-                    box.on_update(partial(self._show_layer, name))
-        light.on_update(lambda event: on_palette(LIGHT if event.target.value else DARK))
-        camera.on_click(lambda event: self._move_camera(event.target.value, event))
-        self._focus.on_update(self._focus_chosen)
+                    on_edit(box, partial(self._show_layer, name))
+        on_edit(light, lambda edit: on_palette(LIGHT if edit.value else DARK))
+        on_edit(camera, lambda edit: self._move_camera(edit.value, edit), slow=True)
+        on_edit(self._focus, self._focus_chosen, slow=True)
         for name in CAMERA:
             bind(gui, f"View: {name}", viser.Icon.CAMERA, partial(self._move_camera, name))
 
@@ -57,21 +58,22 @@ class ViewPanel:
         """Outline a robot on all pages, and follow it on this one."""
         name = f"Robot {robot}"
         if name in self._focus.options:
-            self._scene.focus, self._focus.value = robot, name
+            self._scene.focus = robot
+            set_value(self._focus, name)
             self._cameras.follow(client, robot)
 
-    def _focus_chosen(self, event: viser.GuiEvent[Any]) -> None:
-        name = event.target.value
-        if event.client is None or name not in self._focus.options:  # a page may send anything
+    def _focus_chosen(self, edit: Edit) -> None:
+        name = edit.value
+        if name not in self._focus.options:  # the ring may just have become another
             return
         self._scene.focus = None if name == NOBODY else int(name.split()[-1])
         if self._scene.focus is None:
-            self._cameras.release(event.client)
+            self._cameras.release(edit.client)
         else:
-            self._cameras.follow(event.client, self._scene.focus)
+            self._cameras.follow(edit.client, self._scene.focus)
 
-    def _show_layer(self, name: str, event: viser.GuiEvent[Any]) -> None:
-        self._scene.show_layer(name, bool(event.target.value))
+    def _show_layer(self, name: str, edit: Edit) -> None:
+        self._scene.show_layer(name, bool(edit.value))
 
     def _move_camera(self, button: str, event: Any) -> None:
         if event.client is None:
@@ -82,4 +84,5 @@ class ViewPanel:
             self._cameras.follow(event.client)
         else:
             self._cameras.fit(event.client)
-            self._scene.focus, self._focus.value = None, NOBODY
+            self._scene.focus = None
+            set_value(self._focus, NOBODY)

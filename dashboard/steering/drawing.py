@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import viser
 
+from dashboard.edits import on_edit
 from dashboard.notices import Notify
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.requests import RequestQueue
@@ -99,8 +100,8 @@ class DrawPanel:
             second = gui.add_button_group(
                 "Path", (SAVE, RUN), hint="This scenario with that path: a file for `echelon up FILE`, or now"
             )
-        for group in (first, second):
-            group.on_click(lambda event: self._press(event.target.value, event.client))
+        on_edit(first, lambda edit: self._place(edit.value, edit.page))
+        on_edit(second, lambda edit: self._use(edit.value, edit.client), slow=True)
         server.on_client_disconnect(self._gone)
 
     def _gone(self, client: viser.ClientHandle) -> None:
@@ -121,23 +122,21 @@ class DrawPanel:
         east, north = self._origin.tolist()
         self._points = [*self._points, (x + east, y + north)]
 
-    def _press(self, name: str, client: viser.ClientHandle | None) -> None:
-        if client is None:
-            return
-        page = client.client_id
-        if name == DRAW:
+    def _place(self, button: str, page: int) -> None:
+        if button == DRAW:
             self._page = None if self._page == page else page
-        elif name == UNDO:
+        else:
             self._points = self._points[:-1]
-        elif name in (SAVE, RUN):
-            found = self._made()
-            if found.scenario is None:
-                self._notify(page, "Not done", found.reason)
-            elif name == SAVE:
-                client.send_file_download(f"{NAME}.toml", as_toml(found.scenario).encode(), save_immediately=True)
-            else:
-                self._page = None
-                self._requests.ask(use_table(found.scenario), page)
+
+    def _use(self, button: str, client: viser.ClientHandle) -> None:
+        found, page = self._made(), client.client_id
+        if found.scenario is None:
+            self._notify(page, "Not done", found.reason)
+        elif button == SAVE:
+            client.send_file_download(f"{NAME}.toml", as_toml(found.scenario).encode(), save_immediately=True)
+        else:
+            self._page = None
+            self._requests.ask(use_table(found.scenario), page)
 
     def _made(self) -> Drawn:
         """What the points make; worked out once for the same points."""

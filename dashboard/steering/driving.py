@@ -9,6 +9,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import on_edit
 from dashboard.panels.mirrored_controls import set_if_changed
 from dashboard.requests import RequestQueue
 from dashboard.steering.wheel import Wheel
@@ -47,15 +48,15 @@ class DrivePanel:
                 "Click on the ground: go there", False, hint="On the page that has the wheel; the centre stops there"
             )
         self._wheel: Wheel | None = None
-        self._take.on_click(lambda event: self._toggle(event.client))
-        self._buttons.on_click(lambda event: self._press(event.target.value, event.client_id))
+        on_edit(self._take, lambda edit: self._toggle(edit.client))
+        on_edit(self._buttons, lambda edit: self._press(edit.value, edit.page))
         server.on_client_disconnect(self._gone)
 
     # ------------------------------------------------------------------ the wheel
 
-    def _toggle(self, client: viser.ClientHandle | None) -> None:
+    def _toggle(self, client: viser.ClientHandle) -> None:
         """The page takes the wheel, from another if need be, or gives it back."""
-        if client is None or self._scenario is None:
+        if self._scenario is None:
             return
         mine = self._wheel is not None and self._wheel.page == client.client_id
         self._release()
@@ -87,8 +88,8 @@ class DrivePanel:
         if order is not None and self._wheel is not None and self._wheel.page == page:
             self._requests.steer(order, page)
 
-    def _press(self, name: str, page: int | None) -> None:
-        if name in BUTTONS and page is not None and not self._taken_by_other(page):
+    def _press(self, name: str, page: int) -> None:
+        if not self._taken_by_other(page):
             order = self._order(*BUTTONS[name], PRESSED_SECONDS)
             if order is not None:
                 self._requests.steer(order, page)

@@ -13,6 +13,7 @@ from typing import Any
 
 import viser
 
+from dashboard.edits import Edit, on_edit
 from dashboard.keys import DRIVING
 
 OnHeld = Callable[[int, float, float], None]
@@ -39,16 +40,16 @@ class Wheel:
             f"<style>:has(> * > * > * > {label}){{display:none}}</style>"
             f'<img alt="" style="display:none" src="data:," onerror="{escape(script)}">'
         )
-        self._text.on_update(self._written)
+        on_edit(self._text, self._written)
 
     def remove(self) -> None:
         """Take it back; the script notices that its field is gone."""
         self._html.remove()
         self._text.remove()
 
-    def _written(self, event: viser.GuiEvent[Any]) -> None:
-        held = parse(event.target.value)
-        if event.client_id == self.page and held is not None:
+    def _written(self, edit: Edit) -> None:
+        held = parse(edit.value)
+        if edit.page == self.page and held is not None:
             self._on_held(self.page, *held)
 
 

@@ -185,7 +185,7 @@ def test_pause_stops_motion_and_start_goes_on(page: Driven, run: BrowserRun) -> 
     page.press("Pause")
     page.wait_text("PAUSED")
     poses = run.state().poses[:, :2]
-    page.until(lambda: np.allclose(page.bodies()[:, :2], poses, atol=1e-5), "robots where they stopped")
+    page.until(lambda: np.allclose(page.bodies()[:, :2], poses, rtol=0.0, atol=2e-7), "robots where they stopped")
     before = page.bodies()
     page.page.wait_for_timeout(400)
     np.testing.assert_array_equal(page.bodies(), before)

@@ -12,6 +12,7 @@ from network import topics
 from network.codec import encode
 from tests.builders import state
 from tests.dashboard.fakes import bus, receive
+from tests.dashboard.serving.served import Served
 
 
 @pytest.fixture
@@ -24,3 +25,10 @@ def page() -> Iterator[Page]:
     assert made._frame() == 3
     yield made
     server.stop(served)
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    found = Served()
+    yield found
+    server.stop(found.server)

@@ -1,7 +1,13 @@
 """A world, a bus, a ghost and exported data, as a test needs them."""
 
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 
+from dashboard.edits import Edit
+from dashboard.page import Page
 from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
 from dashboard.telemetry.feed import Source
 from dashboard.telemetry.history import History
@@ -40,6 +46,21 @@ class FakeTelemetry:
 
     def update_scenario(self) -> None:
         pass
+
+
+def edit(value: object, page: int = 1) -> Edit:
+    """What a user does to a control."""
+    client: Any = SimpleNamespace(client_id=page)
+    return Edit(value, client)
+
+
+def settle(page: Page) -> None:
+    """Wait until what was written to controls is there."""
+
+    async def nothing() -> None:
+        pass
+
+    asyncio.run_coroutine_threadsafe(nothing(), page._server.get_event_loop()).result(10.0)
 
 
 def bus() -> MemoryBus:

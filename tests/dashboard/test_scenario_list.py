@@ -15,6 +15,7 @@ from network import control
 from network.codec import decode, encode
 from network.control import UseScenario
 from network.requests import Request
+from tests.dashboard.fakes import edit
 from world.run_control import RunControl, with_controller
 from world.world import World
 
@@ -131,8 +132,7 @@ def test_the_page_sends_what_is_chosen_and_tells_what_is_wrong(page: Page, folde
     dropdown.options = page._scenarios.labels
 
     def choose(label: str) -> None:
-        event = SimpleNamespace(client_id=3, target=SimpleNamespace(value=label, options=dropdown.options))
-        page._run._choose(event, page._scenarios.operation)  # type: ignore[arg-type]
+        page._run._choose_scenario(edit(label, 3))
 
     choose("own.toml")
     assert asked == [(use_table(load(str(folder / "own.toml"))), 3)]

@@ -7,6 +7,7 @@ from dashboard.panels import faults
 from formation.faults import Fault
 from formation.link_ids import LinkId, links_named
 from tests.builders import state
+from tests.dashboard.fakes import settle
 
 
 def test_every_target_of_the_fault_panel_is_made_of_links_that_the_world_knows() -> None:
@@ -34,4 +35,5 @@ def test_a_target_that_is_not_offered_is_no_link_and_is_set_back(page: Page, cho
     assert list(panel.target) == []
     assert faults.worst({LinkId(1, 2): Fault(loss=1.0)}, panel.target, 3)["loss"] == 0.0
     panel.draw(state(), driven=False)
+    settle(page)
     assert list(panel.target) == ["all"]

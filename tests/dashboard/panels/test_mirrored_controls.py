@@ -1,6 +1,7 @@
 """Laws of controls that mirror the world: the world's value is shown, and a user's is not overwritten at once."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -9,12 +10,13 @@ from dashboard.panels.mirrored_controls import HOLD_SECONDS, MirroredControl, se
 
 
 class Control:
-    """Stamps every value as viser does."""
+    """Stamps every value as viser does; its event loop waits for nothing."""
 
     def __init__(self) -> None:
         self.now = 100.0
         self.update_timestamp = self.now
         self._value = 0.0
+        self._impl = at_once()
 
     @property
     def value(self) -> float:
@@ -23,6 +25,12 @@ class Control:
     @value.setter
     def value(self, value: float) -> None:
         self._value, self.update_timestamp = value, self.now
+
+
+def at_once() -> Any:
+    """What leads to an event loop that calls at once."""
+    loop = SimpleNamespace(call_soon_threadsafe=lambda write, *args: write(*args))
+    return SimpleNamespace(gui_api=SimpleNamespace(_event_loop=loop))
 
 
 @pytest.fixture
@@ -61,7 +69,7 @@ def test_a_released_control_shows_the_worlds_value_at_once(control: Control) -> 
 
 
 def test_a_value_that_is_not_offered_becomes_the_first_option() -> None:
-    dropdown = SimpleNamespace(options=("a", "b"), value="anything")
+    dropdown = SimpleNamespace(options=("a", "b"), value="anything", _impl=at_once())
     set_options(dropdown, ("a", "b"))
     assert dropdown.value == "a"
     dropdown.value = "b"

@@ -4,71 +4,21 @@ import asyncio
 import contextlib
 import gc
 import random
-from collections.abc import Iterator
 from typing import Any
 
 import msgspec
 import psutil
 import pytest
-import viser
 import websockets
 import zstandard
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection
 
-from dashboard.serving import gate, server
-from dashboard.serving.access import Guard
-from tests.dashboard.serving.hostile import camera, kinds, message
+from dashboard.serving import gate
+from tests.dashboard.serving.hostile import camera, kinds
+from tests.dashboard.serving.served import Served, send, update
 
 FLOODS, FLOOD = 5, gate.BURST + gate.MOST_DROPPED + 200
 """Kinds, drawn by a seed, and messages of each, that are sent in a test; benchmarks/hostile.py sends all of all."""
-
-
-class Served:
-    """A page with one control of each kind, and how often each was set."""
-
-    def __init__(self) -> None:
-        self.server = server.serve(Guard("127.0.0.1"), 0, "test")
-        gui, self.set = self.server.gui, list[Any]()
-        self.controls: dict[str, Any] = {
-            "slider": gui.add_slider("S", 0.0, 10.0, 0.1, 1.0),
-            "checkbox": gui.add_checkbox("C", False),
-            "dropdown": gui.add_dropdown("D", ("a", "b")),
-            "button": gui.add_button("B"),
-        }
-        for control in ("slider", "checkbox", "dropdown"):
-            self.controls[control].on_update(lambda event: self.set.append(event.target.value))
-
-    @property
-    def uuids(self) -> dict[str, str]:
-        return {name: control._impl.uuid for name, control in self.controls.items()}
-
-    def values(self) -> dict[str, Any]:
-        return {name: control._impl.value for name, control in self.controls.items()}
-
-    def page(self) -> Any:
-        port = self.server.get_port()
-        return connect(
-            f"ws://127.0.0.1:{port}",
-            origin=f"http://127.0.0.1:{port}",  # type: ignore[arg-type]
-            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
-            max_size=None,
-        )
-
-
-@pytest.fixture
-def served() -> Iterator[Served]:
-    found = Served()
-    yield found
-    server.stop(found.server)
-
-
-async def send(page: ClientConnection, *messages: bytes) -> None:
-    for each in messages:
-        await page.send(each)
-
-
-def update(uuid: str, value: object) -> bytes:
-    return message("GuiUpdateMessage", uuid=uuid, updates={"value": value})
 
 
 def test_a_hostile_client_changes_nothing_and_a_page_beside_it_works(served: Served) -> None:

@@ -57,21 +57,21 @@ def test_clicks_of_the_page_that_draws_are_points_and_the_file_is_sent_to_it(pag
     asked = list[Any]()
     page._requests.ask = lambda operation, page: asked.append(operation)  # type: ignore[method-assign]
     assert not panel.wants(1)
-    panel._press("Draw", one)  # type: ignore[arg-type]
+    panel._place("Draw", 1)
     assert panel.wants(1)
     assert not panel.wants(2)
     for corner in [*CORNERS, (5.0, 5.0)]:
         panel.add(1, *corner)
-    panel._press("Undo", one)  # type: ignore[arg-type]
+    panel._place("Undo", 1)
     page._panels_drawn_at = 0.0
     page._frame()
     assert "3 points" in panel._shown.content
-    panel._press("Save", other)  # type: ignore[arg-type]
+    panel._use("Save", other)  # type: ignore[arg-type]
     ((name, text),) = other.files
     assert name == "drawn.toml"
     table = tomllib.loads(text.decode())
     assert parse(table).path.position(np.array(0.0)) == pytest.approx([0.0, 0.0])
-    panel._press("Run it", one)  # type: ignore[arg-type]
+    panel._use("Run it", one)  # type: ignore[arg-type]
     (operation,) = asked
     assert isinstance(operation, UseScenario)
     assert operation.table["path"] == table["path"]  # type: ignore[index]

@@ -1,6 +1,6 @@
 """Seeded random faults of processes in a live run: whole again within 5 s, and nothing left behind.
 
-python -m benchmarks.chaos [--faults 200] [--seed 1] [--realtime] [--robots 3] [--json]
+python -m benchmarks.chaos [--scenario triangle-circle] [--faults 200] [--seed 1] [--realtime] [--json]
 
 Kills, SIGTERMs and freezes of agents, world, router and ghost, alone and in pairs, one after the other. After each, the
 run is whole once every agent takes part and simulated time goes on; the time to that counts from the fault, of a freeze
@@ -155,6 +155,7 @@ def frozen(scenario: Scenario, seed: int) -> dict[str, Any]:
 def main() -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenario", default="triangle-circle", help="a shipped one, or a file")
     parser.add_argument("--faults", type=int, default=200)
     parser.add_argument("--freezes", type=int, default=3, help="lockstep episodes that are only frozen")
     parser.add_argument("--seed", type=int, default=1)
@@ -165,10 +166,10 @@ def main() -> None:
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="ech") as folder:
         os.environ[VARIABLE] = folder
-        scenario = load("triangle-circle")
+        scenario = load(options.scenario)
         tell = (lambda _: None) if options.json else print
         found = strikes(scenario, options.faults, options.seed, realtime=options.realtime, tell=tell)
-        short = load("triangle-circle", ["duration=4"])
+        short = load(options.scenario, ["duration=4"])
         freezes = [frozen(short, options.seed + i) for i in range(options.freezes)]
         expected = str(inprocess.simulate(short)["trajectory_sha256"])
         left = [_title(process) for process in _processes() if "echelon " in _title(process)]
@@ -177,6 +178,7 @@ def main() -> None:
     times = sorted(one["whole_s"] for one in found if one["whole_s"] is not None)
     commit = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
     figures = {
+        "scenario": options.scenario,
         "faults": len(found),
         "seed": options.seed,
         "mode": "realtime" if options.realtime else "lockstep",

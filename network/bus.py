@@ -6,7 +6,7 @@ network/zenoh_bus.py between processes, and network/memory_bus.py inside one.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from time import monotonic
 from types import TracebackType
@@ -48,11 +48,31 @@ class Response(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """A process has come or gone."""
+    """A process has come or gone, or another has taken its place."""
 
     role: str
     number: int
     here: bool
+    session: str = field(default="", compare=False)
+    """Of the process: it outlives an outage of the router, but not the process."""
+
+
+class Attendance:
+    """Who is here, by the tokens of their sessions: for one role and number there may be several for a while."""
+
+    def __init__(self) -> None:
+        self._sessions: dict[tuple[str, int], list[str]] = {}
+
+    def note(self, role: str, number: int, session: str, *, here: bool) -> Presence | None:
+        """A token has come or gone. What that says of its role and number: the newest session counts; None: nothing."""
+        sessions = self._sessions.setdefault((role, number), [])
+        before = sessions[-1:]
+        if here and session not in sessions:
+            sessions.append(session)
+        elif not here and session in sessions:
+            sessions.remove(session)
+        after = sessions[-1:]
+        return None if before == after else Presence(role, number, bool(after), (after or before)[0])
 
 
 class Read(NamedTuple):

@@ -12,7 +12,7 @@ from queue import SimpleQueue
 from typing import NamedTuple
 
 from network import control
-from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
+from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import encode
 from network.messages import Message
 from network.requests import Request
@@ -53,7 +53,7 @@ class MemoryHub:
 
     def join(self, run: str = "memory", name: str = "") -> "MemoryBus":
         """A new process's place; `name` is what Letters call it."""
-        bus = MemoryBus(self, run, name or f"process {self._order}")
+        bus = MemoryBus(self, run, name or f"process {self._order}", session=str(self._order))
         self._order += 1
         self.buses.append(bus)
         return bus
@@ -122,8 +122,8 @@ class MemoryHub:
 class MemoryBus(Bus):
     """A process's place on a MemoryHub."""
 
-    def __init__(self, hub: MemoryHub, run: str, name: str) -> None:
-        self.run, self.name = run, name
+    def __init__(self, hub: MemoryHub, run: str, name: str, *, session: str) -> None:
+        self.run, self.name, self.session = run, name, session
         self.inbox: SimpleQueue[Incoming] = SimpleQueue()
         self.up = True
         """Whether it is connected; set by the hub."""
@@ -136,6 +136,7 @@ class MemoryBus(Bus):
         self._served: set[str] = set()
         self._kept: list[tuple[str, KeptInMemory]] = []
         self._tokens: list[tuple[str, int]] = []
+        self._attendance = Attendance()
 
     @property
     def connected(self) -> bool:
@@ -188,7 +189,7 @@ class MemoryBus(Bus):
         self._tokens.append((role, number))
         for bus in self._hub.buses:
             if bus.watching and bus.connected and self.connected and bus.run == self.run:
-                bus.receive(Presence(role, number, True))
+                bus.note_token(role, number, self.session, here=True)
 
     def watch(self) -> None:
         self.watching = True
@@ -225,7 +226,13 @@ class MemoryBus(Bus):
         """Another process, or this one, has come or gone."""
         if other.run == self.run:
             for role, number in other._tokens:
-                self.receive(Presence(role, number, here))
+                self.note_token(role, number, other.session, here=here)
+
+    def note_token(self, role: str, number: int, session: str, *, here: bool) -> None:
+        """A token has come or gone."""
+        changed = self._attendance.note(role, number, session, here=here)
+        if changed is not None:
+            self.receive(changed)
 
 
 class KeptInMemory:

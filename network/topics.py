@@ -43,7 +43,7 @@ class Topic:
     name: str
     """Last part of the key, where there is one message."""
     path: str
-    """Key below echelon/{run}, with {id} for the sender's number and {role} for its role."""
+    """Key below echelon/{run}, with {id} for the sender's number, {role} for its role and {session} for its session."""
     messages: tuple[type[Any], ...]
     """What is published; of a query the question, then the possible answers."""
     sender: Role
@@ -61,9 +61,9 @@ class Topic:
     recorded: bool = False
     """Whether it goes into a record of the run."""
 
-    def key(self, run: str, number: int | str = "*", role: str = "*") -> str:
+    def key(self, run: str, number: int | str = "*", role: str = "*", session: str = "*") -> str:
         """The key expression of a run, of one sender or (with "*") of all."""
-        return f"{ROOT}/{run}/" + self.path.format(id=number, role=role)
+        return f"{ROOT}/{run}/" + self.path.format(id=number, role=role, session=session)
 
     def is_reliable(self, mode: Mode) -> bool:
         """Whether a publisher waits for a slow subscriber in a run of this mode."""
@@ -181,7 +181,7 @@ CONTROL = Topic("control", "control", (Request, Reply), "world", "orders", pace=
 QUESTION = Topic("question", "question", (Request, Reply, Setup), "world", "what changes nothing", pace="on demand")
 ASKERS: tuple[Role, ...] = ("dashboard", "operator")
 """Who gives orders; anybody in the run may ask questions."""
-ALIVE = Topic("alive", "alive/{role}/{id}", (), "each", "liveliness token", pace="-")
+ALIVE = Topic("alive", "alive/{role}/{id}/{session}", (), "each", "liveliness token", pace="-")
 
 TOPICS = (
     TICK,
@@ -263,9 +263,9 @@ def question(run: str) -> str:
     return QUESTION.key(run)
 
 
-def alive(run: str, role: str, number: int | str) -> str:
-    """The liveliness token of a process."""
-    return ALIVE.key(run, number, role)
+def alive(run: str, role: str, number: int | str, session: str) -> str:
+    """The liveliness token of a process; another process in its place has another session."""
+    return ALIVE.key(run, number, role, session)
 
 
 def topic_of(key: str) -> Topic | None:
@@ -279,15 +279,15 @@ def _fits(topic: Topic, parts: list[str]) -> bool:
     return (
         len(parts) == 2 + len(expected)
         and parts[0] == ROOT
-        and all(part == got or part in ("{id}", "{role}") for part, got in zip(expected, parts[2:], strict=True))
+        and all(part == got or part.startswith("{") for part, got in zip(expected, parts[2:], strict=True))
     )
 
 
 @lru_cache(maxsize=1024)
 def robot_of(key: str) -> int | None:
-    """The robot in a key `.../robot/{id}/...` or `.../alive/agent/{id}`; None if there is none."""
+    """The robot in a key `.../robot/{id}/...`; None if there is none."""
     parts = key.split("/")
-    if len(parts) != 5 or not (parts[2] == "robot" or parts[2:4] == ["alive", "agent"]):
+    if len(parts) != 5 or parts[2] != "robot":
         return None
-    text = parts[3] if parts[2] == "robot" else parts[4]
+    text = parts[3]
     return int(text) if text.isascii() and text.isdigit() and len(text) <= LONGEST_NUMBER else None

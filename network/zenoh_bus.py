@@ -18,7 +18,7 @@ from formation.errors import EchelonError
 from network import control, topics
 from network.access.keys import LOCAL, Keys, check, protocol
 from network.access.rules import access_list
-from network.bus import Bus, Connection, Incoming, Presence, Query, Response, Sample
+from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
 from network.messages import Message
 from network.requests import Request
@@ -190,13 +190,19 @@ class ZenohBus(Bus):
         return found
 
     def appear(self, role: str, number: int = 0) -> None:
-        self._declared.append(self._session.liveliness().declare_token(topics.alive(self.run, role, number)))
+        key = topics.alive(self.run, role, number, str(self._session.zid()))
+        self._declared.append(self._session.liveliness().declare_token(key))
 
     def watch(self) -> None:
+        attendance = Attendance()
+
         def take(sample: zenoh.Sample) -> None:
-            *_, role, number = str(sample.key_expr).split("/")
+            *_, role, number, session = str(sample.key_expr).split("/")
             if number.isascii() and number.isdigit():
-                self.inbox.put(Presence(role, int(number), sample.kind == zenoh.SampleKind.PUT))
+                here = sample.kind == zenoh.SampleKind.PUT
+                changed = attendance.note(role, int(number), session, here=here)
+                if changed is not None:
+                    self.inbox.put(changed)
 
         def note(event: zenoh.TransportEvent) -> None:
             self.inbox.put(Connection(event.kind == zenoh.SampleKind.PUT))
@@ -205,7 +211,7 @@ class ZenohBus(Bus):
         self._declared.append(self._session.info.declare_transport_events_listener(callback, history=True))
         self._declared.append(
             self._session.liveliness().declare_subscriber(
-                topics.alive(self.run, "*", "*"), zenoh.handlers.Callback(take, indirect=False), history=True
+                topics.ALIVE.key(self.run), zenoh.handlers.Callback(take, indirect=False), history=True
             )
         )
 

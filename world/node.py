@@ -195,11 +195,16 @@ class WorldNode:
             self._note_changes()
 
     def _note_changes(self) -> None:
-        """Robots lost while a tick is out have no part in it, and nobody waits for their plan of the tick before."""
-        tick, live = self._tick, self._world.live
-        if self.phase is not Phase.ASK or tick is None or self._awaited == live:
+        """Robots lost while a tick is out have no part in it, and nobody waits for their plan of the tick before.
+
+        Of those lost between two ticks nobody has that plan at the next.
+        """
+        tick, live, lost = self._tick, self._world.live, self._presence.take_lost()
+        if self.phase is not Phase.ASK or tick is None:
+            if lost:
+                self._world.forget_plans(lost)
             return
-        lost = self._awaited - live
+        lost &= self._awaited
         self._awaited = live - {*tick.gone, *lost}
         if lost:
             for robot in lost:
@@ -229,8 +234,10 @@ class WorldNode:
                     self._actions.append(Reject(key, str(error)))
             case Query():
                 self._requests.receive(item, self._running)
-            case Presence("agent", robot, here):
-                self._presence.appear(robot) if here else self._presence.disappear(robot, self._running)
+            case Presence("agent", robot, True, session):
+                self._presence.appear(robot, session)
+            case Presence("agent", robot, False):
+                self._presence.disappear(robot, self._running)
             case Presence("launcher", _, here):
                 self._presence.launcher = here
             case Presence("keeper", number, here):

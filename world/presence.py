@@ -60,6 +60,10 @@ class AgentPresence:
         self._agents: dict[int, Agent] = {}
         self._suspects: dict[int, float] = {}
         """When a robot's token has been missing for long enough."""
+        self._sessions: dict[int, str] = {}
+        """Of each agent's process, as far as it is known."""
+        self._lost: set[int] = set()
+        """Robots that were live and are not, or whose agent is another now; since `take_lost`."""
         self._connected = True
         self._doubt: tuple[float, float] | None = None
         """While tokens may be missing because of the network: when this ends at the earliest and at the latest.
@@ -145,10 +149,16 @@ class AgentPresence:
         self._suspects = dict.fromkeys(self._world.live, 0.0)
         self._doubt = 0.0, RETURN_SECONDS
         self._connected, self.launcher = True, False
+        self._sessions.clear()
+        self._lost.clear()
         self.keepers.clear()
 
-    def appear(self, robot: int) -> None:
-        """An agent's token has appeared."""
+    def appear(self, robot: int, session: str = "") -> None:
+        """An agent's token has appeared; that of another process than before says that this one is lost."""
+        if self._sessions.get(robot, session) != session:
+            self._change(robot, Change.DISAPPEARS)
+            self._lose(robot)
+        self._sessions[robot] = session
         self._change(robot, Change.APPEARS)
 
     def disappear(self, robot: int, now: float) -> None:
@@ -199,13 +209,22 @@ class AgentPresence:
                 return
             self._doubt = None
         for robot in [robot for robot, at in self._suspects.items() if now >= at]:
-            del self._suspects[robot]
             if self._has_token(robot):
-                continue
-            self._change(robot, Change.LOST, "lost")
-            if robot in self._returning:  # it was to be replaced, and now it is gone
-                self._returning.discard(robot)
-                self._dismissed.discard(robot)
+                del self._suspects[robot]
+            else:
+                self._lose(robot)
+
+    def take_lost(self) -> set[int]:
+        """Robots that were lost since the last call; another agent may have taken one's place already."""
+        lost, self._lost = self._lost, set()
+        return lost
+
+    def _lose(self, robot: int) -> None:
+        self._suspects.pop(robot, None)
+        self._change(robot, Change.LOST, "lost")
+        if robot in self._returning:  # it was to be replaced, and now it is gone
+            self._returning.discard(robot)
+            self._dismissed.discard(robot)
 
     def _change(self, robot: int, change: Change, why: str = "") -> None:
         before = self._agents.get(robot, Agent.ABSENT)
@@ -214,6 +233,10 @@ class AgentPresence:
         live = after in (Agent.PRESENT, Agent.MISSING)
         if robot not in world.robots or live == (robot in world.live):
             return
-        (world.live.add if live else world.live.discard)(robot)
+        if live:
+            world.live.add(robot)
+        else:
+            world.live.discard(robot)
+            self._lost.add(robot)
         text, severity = (f"agent {robot} is here", "info") if live else (f"agent {robot} {why}", "error")
         world.event("agent", text, severity)

@@ -3,7 +3,7 @@
 It reads no clock. Its caller (runtime/inprocess.py, world/process.py) decides when the next tick is due.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -85,6 +85,12 @@ class World(Episode):
         if changed:
             self.revision += 1
             self._commands.set_faults(self.faults.table)
+
+    def forget_plans(self, robots: Collection[int]) -> None:
+        """At the next tick nobody has the plans that these robots sent at the one before: they are lost since."""
+        self._planned = [robot for robot in self._planned if robot not in robots]
+        if self._tick is not None:
+            self._tick = replace(self._tick, planned=self._planned)
 
     def reset(self) -> None:
         """Start a new episode; faults that users set without an end stay."""

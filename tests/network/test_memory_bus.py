@@ -5,7 +5,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from network import topics
-from network.bus import Ask, Connection, Incoming, Presence, Publish, Query, Response, Sample, Subscribe, perform
+from network.bus import (
+    Ask,
+    Attendance,
+    Connection,
+    Incoming,
+    Presence,
+    Publish,
+    Query,
+    Response,
+    Sample,
+    Subscribe,
+    perform,
+)
 from network.codec import decode, encode
 from network.control import Pause, request
 from network.memory_bus import Letter, MemoryBus, MemoryHub
@@ -101,6 +113,24 @@ def test_who_comes_and_goes_is_seen_by_who_watches_and_an_outage_loses_everybody
     assert arrived[-1] == Presence("agent", 2, True)
     agent.close()
     assert watcher.arrivals() == [Presence("agent", 2, False)]
+
+
+def test_of_several_in_one_place_the_newest_counts_and_the_last_to_go_is_missed() -> None:
+    attendance = Attendance()
+
+    def told(session: str, *, here: bool) -> tuple[bool, str] | None:
+        found = attendance.note("agent", 2, session, here=here)
+        return None if found is None else (found.here, found.session)
+
+    assert told("a", here=True) == (True, "a")
+    assert told("a", here=True) is None  # said again after an outage
+    assert told("b", here=True) == (True, "b")
+    assert told("a", here=True) is None
+    assert told("a", here=False) is None
+    assert told("c", here=True) == (True, "c")
+    assert told("c", here=False) == (True, "b")
+    assert told("b", here=False) == (False, "b")
+    assert told("b", here=False) is None
 
 
 def test_nothing_is_carried_while_the_router_is_gone() -> None:

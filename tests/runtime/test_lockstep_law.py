@@ -16,13 +16,14 @@ from agents.agent import Agent
 from formation.scenario.files import load
 from formation.scenario.lockstep import Lockstep
 from formation.scenario.scenario import Scenario
-from network.control import Reset
+from network.control import Pause, Reset, Start
 from network.messages import Plan
 from runtime import inprocess
 from tests.memory_run import MemoryRun, Weather
 from world.presence import AgentPresence
 from world.rate import RunningTime
 from world.run_control import RunControl
+from world.states import Phase as WorldPhase
 from world.world import World
 
 ROBOTS = (1, 2, 3)
@@ -206,19 +207,49 @@ def no_silence_is_for_ever(weather: Weather, robots: set[int], length: float, mo
     assert run.finish(60.0) == expected()
 
 
-@law
-@given(weathers, st.lists(st.tuples(moments, st.sampled_from(ROBOTS), st.floats(0.3, 2.0)), min_size=1, max_size=3))
-def test_an_agent_that_is_replaced_joins_cold_at_a_named_tick(
-    weather: Weather, restarts: list[tuple[float, int, float]]
-) -> None:
+def pause(run: MemoryRun, length: float) -> None:
+    """A user stops the run for a while: nobody is lost while a tick is out."""
+    run.ask_until(Pause(), lambda: run.node.phase is WorldPhase.HOLD)
+    run.at(length, lambda: run.ask_until(Start(), lambda: run.node.phase is not WorldPhase.HOLD))
+
+
+def replaced(weather: Weather, before: tuple[Any, ...] | None, restarts: list[tuple[float, set[int], float]]) -> None:
     """The run is that of one process in which the same robots took part in the same ticks."""
     run = MemoryRun(scenario(), weather)
-    for moment, robot, absence in restarts:
+    if before is not None:
+        moment, (act, *arguments) = before
         run.run(moment, lambda: run.finished)
-        if run.agents[robot].alive:
+        act(run, *arguments)
+    for moment, robots, absence in restarts:
+        run.run(moment, lambda: run.finished)
+        for robot in [robot for robot in sorted(robots) if run.agents[robot].alive]:
             run.kill_agent(robot)
             run.at(absence, partial(run.start_agent, robot))
-    assert run.finish() == in_one_process(run)
+    assert run.finish(28.0) == in_one_process(run)  # before the patience with anybody is over
+
+
+absences = st.sampled_from([0.0, 0.01, 0.3, 2.0])
+"""Of an agent that is replaced [s]: it may be back before anybody has noticed."""
+crews_of_restarts = st.lists(
+    st.tuples(moments, st.sets(st.sampled_from(ROBOTS), min_size=1), absences), min_size=1, max_size=3
+)
+befores = st.none() | st.tuples(
+    moments,
+    st.one_of(
+        st.tuples(st.just(standstill), st.floats(0.6, 9.0), delays),
+        st.tuples(st.just(outage), st.floats(0.001, 5.0), delays),
+        st.tuples(st.just(pause), st.floats(0.01, 3.0)),
+    ),
+)
+
+
+@law
+@given(weathers, befores, crews_of_restarts)
+def test_an_agent_that_is_replaced_joins_cold_at_a_named_tick(
+    weather: Weather, before: Any, restarts: list[tuple[float, set[int], float]]
+) -> None:
+    """Whatever was before, nobody waits for what the lost had sent."""
+    replaced(weather, before, restarts)
 
 
 @settings(law, max_examples=EXAMPLES // 4)
@@ -256,12 +287,15 @@ def in_one_process(run: MemoryRun) -> str:
     lives = [(process.robot, process.steps) for process in [*run.dead, *run.agents.values()]]
     agents: dict[int, Agent] = {}
     plans: dict[int, Plan] = {}
+    sent: dict[int, int] = {}
+    """By robot, the life that has sent its plan."""
     while not world.finished:
         for _ in range(run.world.resumed.count(world.k) - world.resumed.count(world.k)):
             world.go_on()
             agents.clear()
             plans.clear()
         tick, counted, answers = world.tick(), run.counted[world.k], {}
+        here = {robot: life for life, (robot, steps) in enumerate(lives) if (tick.episode, tick.seq) in steps}
         for life, (robot, steps) in enumerate(lives):
             step = steps.get((tick.episode, tick.seq))
             if step is None:
@@ -273,9 +307,10 @@ def in_one_process(run: MemoryRun) -> str:
                 agent.receive(plan)
             elif plan is not None:
                 assert not step
-                assert agent.upstream not in counted, "only a plan whose sender is gone is done without"
+                is_gone = agent.upstream not in counted or here[agent.upstream] != sent[agent.upstream]
+                assert is_gone, "only a plan whose sender is gone is done without"
             answers[robot] = agent.step(tick)
-        plans = {robot: plan for robot in counted if (plan := answers[robot].plan) is not None}
+        plans, sent = {robot: plan for robot in counted if (plan := answers[robot].plan) is not None}, here
         world.advance({robot: answers[robot].command for robot in sorted(counted)})
     return str(world.summary()["trajectory_sha256"])
 
@@ -306,7 +341,17 @@ def _a_standstill_counts_as_silence(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(RunningTime, "look", look)
 
 
+def _another_process_is_the_same_agent(patch: pytest.MonkeyPatch) -> None:
+    appear = AgentPresence.appear
+    patch.setattr(AgentPresence, "appear", lambda self, robot, session: appear(self, robot))
+
+
+def _plans_of_the_lost_are_waited_for(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(World, "forget_plans", lambda self, robots: None)
+
+
 WHATEVER = (whatever_the_bus_does, (weathers, histories, st.just(1), st.just(())))
+REPLACED = (replaced, (weathers, befores, crews_of_restarts))
 SILENCE = (no_silence_is_for_ever, (weathers, st.just(set(ROBOTS)), st.floats(1.0, 9.0), moments))
 
 
@@ -317,6 +362,8 @@ SILENCE = (no_silence_is_for_ever, (weathers, st.just(set(ROBOTS)), st.floats(1.
         (_nobody_calls_those_who_were_silent, SILENCE),
         (_any_tick_is_believed, WHATEVER),
         (_a_standstill_counts_as_silence, WHATEVER),
+        (_another_process_is_the_same_agent, REPLACED),
+        (_plans_of_the_lost_are_waited_for, REPLACED),
     ],
 )
 def test_a_fault_put_back_is_found(fault: Any, law: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -124,11 +124,12 @@ def stands_still(page: Driven) -> bool:
 
 def test_a_drag_shows_the_moment_while_the_run_goes_on_and_live_returns(page: Driven, run: BrowserRun) -> None:
     page.wait_text("● LIVE")
+    cut_at = run.state().stamp
     run.ask(SetFault(link="2->3", changes={"cut": True}))
     page.wait_text(r"✕ 2→3 cut", 20.0)
     run.ask(Clear())
     page.page.wait_for_timeout(1500)
-    drag(page, 0.5)
+    drag(page, 0.5 * cut_at / run.state().stamp)  # before the cut, also if all of this took long
     page.wait_text("REWOUND")
     page.wait_text(r"Looking at t = \d+\.\d s .* the run goes on at \d+\.\d s")
     page.until(lambda: stands_still(page), "a moment that stands still")

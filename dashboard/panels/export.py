@@ -92,7 +92,7 @@ class ExportButtons:
 
     def _picture(self, client: viser.ClientHandle, poses: FloatArray, scenario: Scenario) -> bytes:
         camera: Any = client.camera
-        lines = number_lines(poses, Sizes.of(float(scenario.pattern.distance.min())))
+        lines = number_lines(poses, Sizes.of(scenario))
         numbers = client.scene.add_line_segments("/picture/numbers", lines, NUMBERS, thickness=2.0)
         try:
             drawn = client.get_render(

@@ -38,21 +38,21 @@ def turns(angles: FloatArray) -> FloatArray:
     return np.stack([np.cos(angles / 2.0), zero, zero, np.sin(angles / 2.0)], axis=-1)
 
 
-def teardrop(length: float, width: float, grown: float = 0.0) -> tuple[FloatArray, Faces]:
+def teardrop(length: float, width: float, corners: int, grown: float = 0.0) -> tuple[FloatArray, Faces]:
     """A flat body that points along x: a round back and a pointed front; its circle's centre is the origin [m]."""
-    return _fan(_rim(length, width, grown))
+    return _fan(_rim(length, width, corners, grown))
 
 
-def teardrop_rim(length: float, width: float, thickness: float) -> tuple[FloatArray, Faces]:
+def teardrop_rim(length: float, width: float, corners: int, thickness: float) -> tuple[FloatArray, Faces]:
     """The outline of a teardrop [m]."""
-    return _band(_rim(length, width, -thickness), _rim(length, width, 0.0))
+    return _band(_rim(length, width, corners, -thickness), _rim(length, width, corners, 0.0))
 
 
-def _rim(length: float, width: float, grown: float) -> FloatArray:
-    """Points (30, 2) around a teardrop."""
+def _rim(length: float, width: float, corners: int, grown: float) -> FloatArray:
+    """Points around a teardrop, its tip first; `corners` would go all around a circle."""
     radius, tip = width / 2.0 + grown, length - width / 2.0 + 1.6 * grown
     touch = math.acos(min(1.0, radius / tip))
-    around = np.linspace(touch, 2.0 * math.pi - touch, 29)
+    around = np.linspace(touch, 2.0 * math.pi - touch, round(0.725 * corners))
     return np.concatenate([[[tip, 0.0]], radius * np.stack([np.cos(around), np.sin(around)], axis=1)])
 
 
@@ -62,10 +62,9 @@ def arrow_head(length: float, width: float) -> tuple[FloatArray, Faces]:
     return lifted(points, 0.0), np.array([[0, 2, 1], [0, 3, 2]], dtype=np.uint32)
 
 
-def ring(radius: float, thickness: float) -> tuple[FloatArray, Faces]:
+def ring(radius: float, thickness: float, corners: int) -> tuple[FloatArray, Faces]:
     """A flat ring [m]."""
-    count = 40
-    around = 2.0 * math.pi * np.arange(count) / count
+    around = 2.0 * math.pi * np.arange(corners) / corners
     unit = np.stack([np.cos(around), np.sin(around)], axis=1)
     return _band(unit * (radius - thickness / 2.0), unit * (radius + thickness / 2.0))
 

@@ -25,13 +25,14 @@ class GhostLayer:
         length, width = sizes.body
         self._sizes, self._shown = sizes, False
         self._allowed = True
-        outline = geometry.teardrop_rim(length, width, 0.0035 * sizes.unit)
-        trail = layers.fading(np.tile(grey, (n, 1)), TRAIL_POINTS, 0.6, palette, towards_end=False)
+        detail = sizes.detail
+        outline = geometry.teardrop_rim(length, width, detail.corners, 0.0035 * sizes.unit)
+        points = len(detail.points(TRAIL_POINTS))
+        trail = layers.fading(np.tile(grey, (n, 1)), points, 0.6, palette, towards_end=False)
+        edges = np.zeros((detail.pattern_dashes * n, 2, 3))
         self.nodes: dict[str, Any] = {
             "/ghosts": nodes.meshes(scene, "/ghosts", outline, n),
-            "/ghost_edges": nodes.lines(
-                scene, "/ghost_edges", np.zeros((6 * n, 2, 3)), colours.mix(grey, 0.6, palette), 1.4
-            ),
+            "/ghost_edges": nodes.lines(scene, "/ghost_edges", edges, colours.mix(grey, 0.6, palette), 1.4),
             "/ghost_trails": nodes.lines(
                 scene, "/ghost_trails", np.zeros((len(_every_other(trail, n)), 2, 3)), _every_other(trail, n), 1.6
             ),
@@ -63,9 +64,9 @@ class GhostLayer:
         z = self._sizes.z
         self.nodes["/ghosts"].batched_positions = geometry.lifted(poses[:, :2], z(8))
         self.nodes["/ghosts"].batched_wxyzs = geometry.turns(poses[:, 2])
-        self.nodes["/ghost_edges"].points = layers.desired(poses, z(4))
+        self.nodes["/ghost_edges"].points = layers.desired(poses, self._sizes.detail.pattern_dashes, z(4))
         if trails:
-            segments = geometry.segments(track.trail(poses), z(2))
+            segments = geometry.segments(self._sizes.detail.thinned(track.trail(poses)), z(2))
             self.nodes["/ghost_trails"].points = _every_other(segments, len(poses))
 
 

@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from dashboard.scene import geometry
+from dashboard.scene.detail import WHOLE, Detail, detail
 from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import LinkView, untold
 from dashboard.telemetry.snapshot import Snapshot
@@ -18,11 +19,10 @@ from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import Palette
 from formation.arrays import FloatArray
 from formation.pattern import upstream
+from formation.scenario.scenario import Scenario
 from formation.unicycle import roll_out
 from network.messages import Plan, Status
 
-DASHES = 8
-"""Segments of a link's shaft."""
 TICK = 5
 """Steps of a preview between two ticks of its ribbon: half a second."""
 AWAY = -1e4
@@ -31,14 +31,16 @@ AWAY = -1e4
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Sizes in the scene [m]: those for a spacing of 0.1 m, times `unit`."""
+    """Sizes in the scene [m]: those for a spacing of 0.1 m, times `unit`; and how finely it is drawn."""
 
     unit: float
+    detail: Detail = WHOLE
 
     @classmethod
-    def of(cls, spacing: float) -> "Sizes":
-        """Sizes for robots `spacing` [m] apart; `unit` is 0.4 to 3."""
-        return cls(float(np.clip(spacing / 0.1, 0.4, 3.0)))
+    def of(cls, scenario: Scenario) -> "Sizes":
+        """Sizes for the robots of a scenario; `unit` is 0.4 to 3."""
+        spacing = float(scenario.pattern.distance.min())
+        return cls(float(np.clip(spacing / 0.1, 0.4, 3.0)), detail(scenario.size))
 
     @property
     def body(self) -> tuple[float, float]:
@@ -67,13 +69,13 @@ def edges(poses: FloatArray, z: float, away: Sequence[int] = ()) -> FloatArray:
     return geometry.lifted(np.stack([points, points[before]], axis=1), z)
 
 
-def desired(slots: FloatArray, z: float, away: Sequence[int] = ()) -> FloatArray:
-    """(6 n, 2, 3): dashes between the slots of neighbours."""
+def desired(slots: FloatArray, dashes: int, z: float, away: Sequence[int] = ()) -> FloatArray:
+    """(dashes n, 2, 3): dashes between the slots of neighbours."""
     before = list(upstream_rows(len(slots), tuple(away)))
     a, b = slots[:, None, :2], slots[before, None, :2]
-    at = (np.arange(6)[None, :, None] + np.array([0.2, 0.7])[:, None, None]) / 6.0  # (2, 6, 1)
-    dashes = np.stack([a + (b - a) * at[0], a + (b - a) * at[1]], axis=2)
-    return geometry.lifted(dashes.reshape(-1, 2, 2), z)
+    at = (np.arange(dashes)[None, :, None] + np.array([0.2, 0.7])[:, None, None]) / dashes  # (2, dashes, 1)
+    found = np.stack([a + (b - a) * at[0], a + (b - a) * at[1]], axis=2)
+    return geometry.lifted(found.reshape(-1, 2, 2), z)
 
 
 def edge_colours(distance_errors: FloatArray, palette: Palette) -> colours.Bytes:
@@ -87,7 +89,7 @@ class Arrows:
     """Shafts and heads of all links, in the order of their senders."""
 
     shafts: FloatArray
-    """(n DASHES, 2, 3) [m]."""
+    """(n dashes, 2, 3) [m]."""
     tips: FloatArray
     """(n, 3) [m]."""
     directions: FloatArray
@@ -110,10 +112,11 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     tip = start + gap - clear + aside
     start = start + clear + aside
     shaft = tip - along * np.minimum(0.011 * sizes.unit, 0.3 * length) - start
-    dashes = np.empty((len(poses), DASHES, 2))
-    dashes[..., 0] = np.arange(DASHES)
+    count = sizes.detail.dashes
+    dashes = np.empty((len(poses), count, 2))
+    dashes[..., 0] = np.arange(count)
     dashes[..., 1] = dashes[..., 0] + full[:, None]
-    shafts = start[:, None, None] + shaft[:, None, None] * (dashes / DASHES)
+    shafts = start[:, None, None] + shaft[:, None, None] * (dashes / count)
     z = sizes.z(layer)
     tip[gap == 0.0] = complex(AWAY, AWAY)
     return Arrows(
@@ -123,12 +126,14 @@ def arrows(poses: FloatArray, links: list[LinkView], sizes: Sizes, layer: int) -
     )
 
 
-def arrow_colours(links: list[LinkView], robots: int, palette: Palette) -> tuple[colours.Bytes, colours.Bytes]:
-    """Of the shafts (n DASHES, 2, 3) and of the heads (n, 3), encoded."""
+def arrow_colours(
+    links: list[LinkView], robots: int, dashes: int, palette: Palette
+) -> tuple[colours.Bytes, colours.Bytes]:
+    """Of the shafts (n dashes, 2, 3) and of the heads (n, 3), encoded."""
     levels = np.zeros(robots)
     levels[[link.sender - 1 for link in links]] = [link.level for link in links]
     colour = colours.encoded_health(levels, palette)
-    return np.repeat(np.repeat(colour[:, None], DASHES, axis=0), 2, axis=1), colour
+    return np.repeat(np.repeat(colour[:, None], dashes, axis=0), 2, axis=1), colour
 
 
 def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float) -> FloatArray:
@@ -169,13 +174,13 @@ def believed(beliefs: list[BeliefView], poses: FloatArray, steps: int) -> tuple[
     return places, lines
 
 
-def off(beliefs: list[BeliefView], poses: FloatArray) -> FloatArray:
-    """(n DASHES, 2, 2): dashes from each robot to where it is believed to be, if that is off by DISTANCE_LIMIT [m]."""
+def off(beliefs: list[BeliefView], poses: FloatArray, dashes: int) -> FloatArray:
+    """(n dashes, 2, 2): dashes from each robot to where it is believed to be, if that is off by DISTANCE_LIMIT [m]."""
     start, end = poses[:, :2], poses[:, :2].copy()
     for belief in beliefs:
         if belief.error > DISTANCE_LIMIT:
             end[belief.sender - 1] += belief.offset
-    at = (np.arange(DASHES)[:, None] + [0.0, 0.6]) / DASHES
+    at = (np.arange(dashes)[:, None] + [0.0, 0.6]) / dashes
     return np.asarray(start[:, None, None] + (end - start)[:, None, None] * at[None, :, :, None]).reshape(-1, 2, 2)
 
 

@@ -59,13 +59,14 @@ def scenario_nodes(scene: viser.SceneApi, scenario: Scenario, sizes: layers.Size
         palette: of the theme.
     """
     n, steps = scenario.size, scenario.controller.horizon
-    hue, unit = colours.identities(n, palette), sizes.unit
+    hue, unit, detail = colours.identities(n, palette), sizes.unit, sizes.detail
+    dashes, corners = detail.dashes, detail.corners
     length, width = sizes.body
     path = geometry.lifted(path_dashes(scenario), sizes.z(1))
-    trail = layers.fading(hue, TRAIL_POINTS, 0.85, palette, towards_end=False)
-    horizon = layers.fading(hue, steps + 1, 1.0, palette, towards_end=True)
-    dashes = (steps + 1) // 2
-    belief = np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], dashes, axis=0), 2, axis=1)
+    trail = layers.fading(hue, len(detail.points(TRAIL_POINTS)), 0.85, palette, towards_end=False)
+    planned = len(detail.points(steps + 1))
+    horizon = layers.fading(hue, planned, 1.0, palette, towards_end=True)
+    belief = np.repeat(np.repeat(colours.mix(hue, 0.85, palette)[:, None], planned // 2, axis=0), 2, axis=1)
     desired = colours.rgb(palette.desired)
 
     def segments(name: str, count: int, colour: FloatArray, thickness: float) -> Any:
@@ -74,17 +75,17 @@ def scenario_nodes(scene: viser.SceneApi, scenario: Scenario, sizes: layers.Size
     made = {
         "/path": lines(scene, "/path", path, colours.rgb(palette.path), 1.4),
         "/trails": segments("/trails", len(trail), trail, 2.0),
-        "/slots": meshes(scene, "/slots", geometry.ring(0.025 * unit, 0.0022 * unit), n),
-        "/desired": segments("/desired", 6 * n, desired, 1.2),
+        "/slots": meshes(scene, "/slots", geometry.ring(0.025 * unit, 0.0022 * unit, corners), n),
+        "/desired": segments("/desired", detail.pattern_dashes * n, desired, 1.2),
         "/beliefs": segments("/beliefs", len(belief), belief, 1.8),
         "/horizons": segments("/horizons", len(horizon), horizon, 2.6),
         "/edges": segments("/edges", n, np.zeros(3), 3.2),
-        "/links": segments("/links", n * layers.DASHES, np.zeros(3), 1.8),
+        "/links": segments("/links", n * dashes, np.zeros(3), 1.8),
         "/heads": meshes(scene, "/heads", geometry.arrow_head(0.016 * unit, 0.012 * unit), n),
-        "/outlines": meshes(scene, "/outlines", geometry.teardrop(length, width, 0.003 * unit), n),
-        "/bodies": meshes(scene, "/bodies", geometry.teardrop(length, width), n),
-        "/off": segments("/off", n * layers.DASHES, colours.rgb(palette.bad), 1.8),
-        "/believed": meshes(scene, "/believed", geometry.teardrop_rim(length, width, 0.0032 * unit), n),
+        "/outlines": meshes(scene, "/outlines", geometry.teardrop(length, width, corners, 0.003 * unit), n),
+        "/bodies": meshes(scene, "/bodies", geometry.teardrop(length, width, corners), n),
+        "/off": segments("/off", n * dashes, colours.rgb(palette.bad), 1.8),
+        "/believed": meshes(scene, "/believed", geometry.teardrop_rim(length, width, corners, 0.0032 * unit), n),
     }
     if scenario.path.known_to == "leader":
         made["/preview"] = segments("/preview", steps, colours.mix(hue[0], 0.6, palette), 6.0)
@@ -93,7 +94,7 @@ def scenario_nodes(scene: viser.SceneApi, scenario: Scenario, sizes: layers.Size
             count = 2 * steps + steps // layers.TICK
             made["/ribbon"] = segments("/ribbon", count, colours.mix(hue[0], 0.85, palette), 1.6)
         made["/goal"] = segments("/goal", 2, hue[0], 2.6)
-        made["/told"] = meshes(scene, "/told", geometry.ring(0.008 * unit, 0.0028 * unit), n)
+        made["/told"] = meshes(scene, "/told", geometry.ring(0.008 * unit, 0.0028 * unit, corners), n)
         made["/told"].batched_colors = colours.encode(np.tile(hue[0], (n, 1)))
     made["/believed"].batched_colors = colours.encode(hue)
     made["/slots"].batched_colors = colours.encode(np.tile(colours.rgb(palette.slot), (n, 1)))

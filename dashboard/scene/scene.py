@@ -130,7 +130,8 @@ class Scene:
             self._connect(snapshot.poses, links, state.away)
         trails = whole or self._frame % SLOW == 1
         if trails:
-            self._nodes["/trails"].points = geometry.segments(view.trails(snapshot.poses), self._sizes.z(2))
+            drawn = self._sizes.detail.thinned(view.trails(snapshot.poses))
+            self._nodes["/trails"].points = geometry.segments(drawn, self._sizes.z(2))
         if self._ghost is not None:
             self._ghost.allow(self._ghost_shown)
             self._ghost.draw(view.ghosts, snapshot.stamp, trails=trails)
@@ -139,7 +140,9 @@ class Scene:
             slots = state.slots[:, :2].copy()
             slots[[robot - 1 for robot in state.away]] = layers.AWAY  # nobody's
             self._nodes["/slots"].batched_positions = geometry.lifted(slots, self._sizes.z(3))
-            self._nodes["/desired"].points = layers.desired(state.slots, self._sizes.z(3), state.away)
+            self._nodes["/desired"].points = layers.desired(
+                state.slots, self._sizes.detail.pattern_dashes, self._sizes.z(3), state.away
+            )
         if whole or self._frame % SLOW == 2:
             self._plan(snapshot, state, scenario.controller.horizon)
             self._believe(snapshot, view.beliefs, scenario.controller.horizon)
@@ -168,7 +171,9 @@ class Scene:
         """Set the colours of health."""
         drawn, n = self._nodes, len(state.poses)
         drawn["/edges"].colors = layers.edge_colours(state.distance_errors, self._palette)
-        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(links, n, self._palette)
+        drawn["/links"].colors, drawn["/heads"].batched_colors = layers.arrow_colours(
+            links, n, self._sizes.detail.dashes, self._palette
+        )
         lost, stopped = set(range(1, n + 1)) - set(state.live), set(state.stopped)
         key = (n, lost, stopped, self.focus)
         if key != self._robots_key:
@@ -183,7 +188,7 @@ class Scene:
         own = layers.horizons(
             layers.own_plans(snapshot.statuses, n, state.episode), snapshot.poses, steps, snapshot.stamp
         )
-        self._nodes["/horizons"].points = geometry.segments(own, z(5))
+        self._nodes["/horizons"].points = geometry.segments(self._sizes.detail.thinned(own), z(5))
         if "/preview" in self._nodes:
             said = layers.own_plans(snapshot.statuses, n, state.episode)[snapshot.leader - 1]
             line = self._nodes["/preview"].points = layers.preview(said, steps, z(1))
@@ -193,13 +198,13 @@ class Scene:
 
     def _believe(self, snapshot: Snapshot, beliefs: list[BeliefView], steps: int) -> None:
         """Draw where each robot believes its upstream neighbour to be, and to drive."""
-        drawn, z, n = self._nodes, self._sizes.z, len(snapshot.poses)
+        drawn, z, detail, n = self._nodes, self._sizes.z, self._sizes.detail, len(snapshot.poses)
         places, lines = layers.believed(beliefs, snapshot.poses, steps)
-        dashes = geometry.segments(lines, z(4)).reshape(n, steps, 2, 3)[:, ::2]
+        dashes = geometry.segments(detail.thinned(lines), z(4)).reshape(n, -1, 2, 3)[:, ::2]
         drawn["/beliefs"].points = dashes.reshape(-1, 2, 3)
         drawn["/believed"].batched_positions = geometry.lifted(places[:, :2], z(8))
         drawn["/believed"].batched_wxyzs = geometry.turns(places[:, 2])
-        drawn["/off"].points = geometry.lifted(layers.off(beliefs, snapshot.poses), z(7))
+        drawn["/off"].points = geometry.lifted(layers.off(beliefs, snapshot.poses, detail.dashes), z(7))
         if "/told" in drawn:
             drawn["/told"].batched_positions = geometry.lifted(layers.told_ends(snapshot, n), z(5))
 
@@ -212,7 +217,7 @@ class Scene:
             self._nodes.popitem()[1].remove()
         self._frame, self._state, self._robots_key = 0, None, None
         n = scenario.size
-        self._sizes = sizes = layers.Sizes.of(float(scenario.pattern.distance.min()))
+        self._sizes = sizes = layers.Sizes.of(scenario)
         scene = self._server.scene
         self._nodes = nodes.scenario_nodes(scene, scenario, sizes, self._palette)
         self._ghost = GhostLayer(scene, n, sizes, self._palette)

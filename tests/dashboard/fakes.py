@@ -1,6 +1,8 @@
 """A world, a bus, a ghost and exported data, as a test needs them."""
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,12 +10,16 @@ import numpy as np
 
 from dashboard.edits import Edit
 from dashboard.page import Page
+from dashboard.serving import server
+from dashboard.serving.access import Guard
+from dashboard.serving.server import serve
 from dashboard.telemetry.export_buffer import ExportBuffer, ExportData
 from dashboard.telemetry.feed import Source
 from dashboard.telemetry.history import History
 from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.subscriber import TelemetrySubscriber
 from formation.scenario.files import load
+from formation.scenario.scenario import Scenario
 from network import topics
 from network.bus import Incoming, Query, Sample
 from network.codec import decode, encode
@@ -63,13 +69,27 @@ def settle(page: Page) -> None:
     asyncio.run_coroutine_threadsafe(nothing(), page._server.get_event_loop()).result(10.0)
 
 
-def bus() -> MemoryBus:
-    """A bus on which a world replies with its setup."""
+@contextmanager
+def page_of(scenario: Scenario) -> Iterator[Page]:
+    """A page that nobody looks at, after its first frame."""
+    served = serve(Guard("127.0.0.1"), 0, "x")
+    made = Page(served, bus(scenario))
+    assert receive(made._feed.source, topics.state("x"), encode(state(scenario.size)))
+    made._feed.source.update_scenario()
+    assert made._frame() == scenario.size
+    yield made
+    server.stop(served)
+
+
+def bus(scenario: Scenario | None = None) -> MemoryBus:
+    """A bus on which a world replies with its setup; of a triangle, if none is given."""
     hub = MemoryHub()
     served = hub.join("x")
     served.serve(topics.control("x"))
     served.serve(topics.question("x"))
-    setup = Setup(0, 0, 0.0, 0, 0, load("triangle-circle").model_dump_json(exclude_unset=True), "lockstep", {})
+    setup = Setup(
+        0, 0, 0.0, 0, 0, (scenario or load("triangle-circle")).model_dump_json(exclude_unset=True), "lockstep", {}
+    )
     served.react = lambda item: item.answer(encode(setup)) if isinstance(item, Query) else None
     return hub.join("x")
 

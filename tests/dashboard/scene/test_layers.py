@@ -28,7 +28,7 @@ def test_a_belief_is_drawn_at_the_robot_that_it_is_about_and_dashes_lead_there_i
     places, lines = believed([far, near], poses, 20)
     np.testing.assert_array_equal(places, [far.pose, near.pose, poses[2]])
     np.testing.assert_array_equal(lines[0], line)
-    dashes = off([far, near], poses).reshape(3, -1, 2, 2)
+    dashes = off([far, near], poses, 8).reshape(3, -1, 2, 2)
     np.testing.assert_allclose(dashes[0, 0, 0], poses[0, :2])
     assert np.hypot(*(dashes[0] - far.pose[:2]).T).min() < 0.1
     assert np.ptp(dashes[1:], axis=(1, 2)).max() == 0.0, "nothing to be seen"
@@ -38,7 +38,7 @@ def test_a_belief_is_drawn_at_the_robot_that_it_is_about_and_dashes_lead_there_i
 def test_an_arrow_runs_on_the_right_of_the_way_from_sender_to_receiver_and_is_dashed_when_lost(robots: int) -> None:
     poses = np.random.default_rng(robots).uniform(-0.5, 0.5, (robots, 3))
     now = state(robots, faults={LinkId(1, 2): Fault(cut=True)})
-    drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
+    drawn = arrows(poses, ring_links(now, {}), Sizes(1.0), 7)
     shafts = drawn.shafts.reshape(robots, -1, 2, 3)[..., :2]
     for sender in range(robots):
         start, way = poses[sender, :2], np.roll(poses, -1, axis=0)[sender, :2] - poses[sender, :2]
@@ -59,7 +59,7 @@ def test_the_ring_is_drawn_closed_over_a_robot_that_is_away() -> None:
     lines = edges(poses, 0.0, now.away)[..., :2]
     np.testing.assert_array_equal(lines[2], poses[[2, 0], :2])
     assert np.ptp(lines[1], axis=0).max() == 0.0, "nothing to be seen"
-    drawn = arrows(poses, ring_links(now, {}), Sizes.of(0.1), 7)
+    drawn = arrows(poses, ring_links(now, {}), Sizes(1.0), 7)
     way = poses[2, :2] - poses[0, :2]
     assert drawn.directions[0] == pytest.approx(np.arctan2(way[1], way[0]))
     assert np.abs(drawn.tips[1, :2]).min() > 1e3, "out of sight"

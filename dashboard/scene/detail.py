@@ -35,7 +35,7 @@ class Detail(NamedTuple):
 WHOLE = Detail(1, 8, 6, 40)
 DETAILS = ((20, WHOLE), (100, Detail(4, 4, 3, 20)))
 """Up to so many robots."""
-CROWD = Detail(10, 2, 2, 8)
+CROWD = Detail(30, 1, 1, 8)
 """Of more."""
 
 

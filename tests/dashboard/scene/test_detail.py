@@ -8,7 +8,7 @@ from formation.scenario.files import load
 from formation.schema import MAX_ROBOTS
 from tests.dashboard.fakes import page_of
 
-MOST_CORNERS = 400_000
+MOST_CORNERS = 200_000
 """Of a formation of any size."""
 CORNERS_OF_A_SEGMENT = 8
 

@@ -47,7 +47,7 @@ class Ensemble(ZenohBus):
             self._announced.add(robot)
             self.announce(topics.status(self.run, robot))
             self.appear("agent", robot)
-            self.inbox.put(Presence("agent", robot, True, str(self._session.zid())))
+            self.inbox.put(Presence("agent", robot, True, self.session))
 
     def publish(self, key: str, message: Message) -> None:
         """A tick is answered at once."""

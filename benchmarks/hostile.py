@@ -171,7 +171,7 @@ async def measure(run: BrowserRun, flood: int) -> dict[str, Any]:
         },
         "world": was,
         "world_is_as_it_was": world(run.state()) == was,
-        "holds": most - before <= MOST_MB and left <= LEFT_MB and alive and not told,
+        "holds": max(most, after) - before <= MOST_MB and left <= LEFT_MB and alive and not told,
     }
 
 

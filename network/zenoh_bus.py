@@ -189,8 +189,13 @@ class ZenohBus(Bus):
         self._declared.append(self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False)))
         return found
 
+    @property
+    def session(self) -> str:
+        """What tells its tokens from those of another process: it outlives an outage of the router."""
+        return str(self._session.zid())
+
     def appear(self, role: str, number: int = 0) -> None:
-        key = topics.alive(self.run, role, number, str(self._session.zid()))
+        key = topics.alive(self.run, role, number, self.session)
         self._declared.append(self._session.liveliness().declare_token(key))
 
     def watch(self) -> None:

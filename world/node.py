@@ -205,6 +205,8 @@ class WorldNode:
                 self._world.forget_plans(lost)
             return
         lost &= self._awaited
+        if not lost and self._awaited == live:
+            return
         self._awaited = live - {*tick.gone, *lost}
         if lost:
             for robot in lost:

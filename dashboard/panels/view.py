@@ -45,8 +45,8 @@ class ViewPanel:
                     box = gui.add_checkbox(name, True)
                     on_edit(box, partial(self._show_layer, name))
         on_edit(light, lambda edit: on_palette(LIGHT if edit.value else DARK))
-        on_edit(camera, lambda edit: self._move_camera(edit.value, edit), slow=True)
-        on_edit(self._focus, self._focus_chosen, slow=True)
+        on_edit(camera, lambda edit: self._move_camera(edit.value, edit))
+        on_edit(self._focus, self._focus_chosen)
         for name in CAMERA:
             bind(gui, f"View: {name}", viser.Icon.CAMERA, partial(self._move_camera, name))
 

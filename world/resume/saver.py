@@ -1,4 +1,4 @@
-"""A world's saved state in a folder: written again after every second of simulated time and whatever users ask."""
+"""A world's saved state in a folder: written again each second of simulated time, when it stands, and for users."""
 
 import os
 from pathlib import Path
@@ -27,10 +27,15 @@ class Saver:
         self._failed = False
 
     def look(self, parts: Parts) -> None:
-        """Save, if it is time; before what the run has just decided is published, or answered."""
+        """Save, if it is time; before what the run has just decided is published, or answered.
+
+        A run that stands shows one moment for good: that one is saved, and not one up to a second before.
+        """
         world = parts.world
         key = world.episode, parts.control.changes, frozenset(world.live)
-        if self._saved == key and (world.k - self._k) * world.scenario.control_interval < SECONDS - 1e-9:
+        ticks = world.k - self._k
+        recent = ticks * world.scenario.control_interval < SECONDS - 1e-9
+        if self._saved == key and (ticks == 0 or (recent and parts.control.active)):
             return
         try:
             self._write(parts, begins=self._saved is None or self._saved[0] != world.episode)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from formation.faults import PERFECT, Fault
 from formation.scenario.files import load as load_scenario
 from formation.scenario.scenario import Scenario
-from network.control import Drive, SetFault, Speed
+from network.control import Drive, Pause, SetFault, Speed
 from network.interventions import Push, Reshape
 from runtime.inprocess import Simulation
 from tests.exceptions import needs
@@ -179,6 +179,23 @@ def test_a_second_of_simulated_time_is_lost_at_most_and_nothing_that_users_ask(t
     assert found.world.k == simulation.world.k
     assert found.world.driver is not None
     assert found.world.driver.shown.v == 0.1
+
+
+def test_a_run_that_stands_is_saved_as_it_stands(tmp_path: Path) -> None:
+    simulation, parts = begun(load_scenario("triangle-circle", ["duration=9"]))
+    keeper = Saver(tmp_path)
+    assert parts.control.active
+    keeper.look(parts)
+    simulation.step()
+    keeper.look(parts)
+    assert (found := saved(tmp_path)) is not None
+    assert found.world.k == 0, "while it goes on, a second at most is lost"
+    parts.control.obey(Pause())
+    keeper.look(parts)
+    simulation.step()  # the tick that was out when the user asked
+    keeper.look(parts)
+    assert (found := saved(tmp_path)) is not None
+    assert found.world.k == simulation.world.k == 2
 
 
 def test_a_perfect_link_stays_the_same_object() -> None:

@@ -1,5 +1,7 @@
 """The page as a whole: where its panels are, and the loop that keeps them up to date."""
 
+import gc
+from collections.abc import Collection
 from time import monotonic, sleep
 from typing import Any
 
@@ -11,18 +13,13 @@ from dashboard.overlay.time_line import TimeLine
 from dashboard.pacing import UNWATCHED_FRAME, UNWATCHED_PAUSE, pace
 from dashboard.panels.agent_lifecycle import VERBS, AgentLifecycle
 from dashboard.panels.clickable import Clickable
-from dashboard.panels.event_log import event_log
 from dashboard.panels.export import ExportButtons
 from dashboard.panels.faults import FaultPanel
 from dashboard.panels.ledger import VERB as LEDGER
-from dashboard.panels.ledger import LedgerTab
-from dashboard.panels.link_matrix import link_matrix
-from dashboard.panels.network import NetworkTab
-from dashboard.panels.plots import BELIEF, FIRST, SECOND, Chart
 from dashboard.panels.push import PushPanel
 from dashboard.panels.record import RecordPanel
-from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run import RunPanel
+from dashboard.panels.tabs import NAMES, Tabs
 from dashboard.panels.view import ViewPanel
 from dashboard.requests import NO_RUN, RequestQueue
 from dashboard.scenario_list import ScenarioList
@@ -41,6 +38,8 @@ from network.throttled_log import ThrottledLog
 
 WIDE = 1400
 """Pages that are narrower than this get narrower panels [px]."""
+COLLECT_SECONDS = 1.0
+"""Between two collections of what pages that are gone have left: viser's objects of a page refer to each other [s]."""
 PANEL_WIDTHS = {True: (330, 400), False: (296, 320)}
 """Of the left and the right panel, for wide pages and for others [px]; they are the same for all pages."""
 
@@ -74,8 +73,9 @@ class Page:
         self._widths: dict[int, int] = {}
         """Of the pages' windows [px]."""
         self._wide = True
+        self._left_behind, self._collected_at = False, 0.0
+        """Whether pages have gone since the last collection."""
         self._overlay: Overlay | None = None
-        self._ledger, self._network = LedgerTab(self._feed.playhead), NetworkTab(self._feed)
         self._notices = Notices(self._show_notice)
         self._requests = RequestQueue(bus, self._feed.source, self._notices.notify)
         self._agent_lifecycle = AgentLifecycle(self._requests)
@@ -86,10 +86,10 @@ class Page:
         self._panels_key: tuple[object, ...] = ()
         """Of the panels as last drawn: they are drawn at once when it changes."""
         self._palette = DARK
-        self._turn = 0
         apply_theme(server.gui, self._palette)
         self._add_left_panel(server.gui, name if bus is None else bus.run)
-        self._add_right_panel(server.gui)
+        self._tabs = Tabs(server.gui, self._feed)
+        self._set_widths()
 
     def _add_left_panel(self, gui: viser.GuiApi, run: str) -> None:
         gui.add_html(style_element())
@@ -106,30 +106,11 @@ class Page:
         gui.main_panel.dock_left()
         self._server.on_client_disconnect(self._closed)
 
-    def _add_right_panel(self, gui: viser.GuiApi) -> None:
-        panel = gui.add_panel()
-        with panel.add_tab("Live"):  # five tabs fit in a row without icons only
-            first = [Chart(gui, plot) for plot in FIRST]
-            self._link_matrix = gui.add_html("")
-            self._charts = [*first, *(Chart(gui, plot) for plot in SECOND)]
-        with panel.add_tab("Robots"):
-            self._robot_table = gui.add_html("")
-        with panel.add_tab("Network"):
-            self._network_cards = gui.add_html("")
-            self._charts.append(Chart(gui, BELIEF))
-        with panel.add_tab("Ledger"):
-            self._ledger_table = gui.add_html("")
-        with panel.add_tab("Log"):
-            self._event_log = gui.add_html("")
-        panel.dock_right()
-        self._right = panel
-        self._set_widths()
-
     def _set_widths(self) -> None:
         """Of both panels, by the narrowest page."""
         left, right = PANEL_WIDTHS[self._wide]
         self._server.gui.main_panel.set_width(left)
-        self._right.set_width(right)
+        self._tabs.set_width(right)
 
     def _show_notice(self, page: int | None, notice: Notice) -> None:
         if self._overlay is not None:
@@ -140,8 +121,7 @@ class Page:
     def _set_palette(self, palette: Palette) -> None:
         self._palette = palette  # the scene takes it over with the next frame
         apply_theme(self._server.gui, palette)
-        for chart in self._charts:
-            chart.set_palette(palette)
+        self._tabs.set_palette(palette)
 
     def _robot_clicked(self, client: viser.ClientHandle, robot: int) -> None:
         self._view.focus_on(client, robot)
@@ -160,7 +140,7 @@ class Page:
         elif verb in VERBS and not self._requests.possible:
             self._requests.refuse(*NO_RUN, client.client_id)
         elif verb == LEDGER:
-            self._ledger.press(number)
+            self._tabs.ledger.press(number)
         elif verb in VERBS:
             self._agent_lifecycle.clicked(verb, number, client)
         else:
@@ -169,6 +149,8 @@ class Page:
     def _closed(self, client: viser.ClientHandle) -> None:
         """A page is gone."""
         self._widths.pop(client.client_id, None)
+        self._tabs.forget(client.client_id)
+        self._left_behind = True
 
     def _told(self, page: int, words: list[str]) -> None:
         """A page's script tells something; it may be anything."""
@@ -179,6 +161,8 @@ class Page:
                 if wide != self._wide:
                     self._wide = wide
                     self._set_widths()
+            case ["tabs", *names]:
+                self._tabs.tell(page, names)
             case _:
                 self._feed.playhead.tell(words)
 
@@ -189,15 +173,25 @@ class Page:
         self._feed.source.start()
         self._requests.start()
         due, robots = monotonic(), 0
+        gc.collect()
+        gc.freeze()  # what there is now stays
         while not lifetime.over:
             try:
                 robots = self._frame() if self._due else len(self._feed.now().snapshot.poses)
             except Exception:
                 self._errors.add_exception("drawing a frame")
+            self._collect()
             due = max(due + self._pause(robots), monotonic())
             sleep(max(0.0, due - monotonic()))
         self._requests.stop()
         self._feed.source.stop()
+
+    def _collect(self) -> None:
+        """Free what pages that are gone have left; Python by itself would look for it only after many more."""
+        if self._left_behind and monotonic() - self._collected_at >= COLLECT_SECONDS:
+            self._left_behind = False
+            gc.collect()
+            self._collected_at = monotonic()
 
     @property
     def _watched(self) -> bool:
@@ -223,38 +217,31 @@ class Page:
         with self._server.atomic():
             self._scene.set_palette(self._palette)
             self._scene.draw(view, whole=whole)
-            now, key, rate = monotonic(), self._key(live, view), pace(len(snapshot.poses))
+            seen = self._tabs.seen(self._server.get_clients())
+            now, key, rate = monotonic(), self._key(live, view, seen), pace(len(snapshot.poses))
             panels = now - self._panels_drawn_at >= rate.panels or key != self._panels_key
             if panels:
-                self._draw_panels(live, view, whole=whole or key != self._panels_key)
+                self._draw_panels(live, view, NAMES if whole or key != self._panels_key else seen)
                 self._panels_drawn_at, self._panels_key = now, key
             if whole or (not panels and now - self._plots_drawn_at >= rate.plots):
                 self._plots_drawn_at = now
-                self._draw_plots(view)
+                self._tabs.draw_plots(view, NAMES if whole else seen)
         if state is not None and snapshot.scenario is not None and len(snapshot.poses) == snapshot.scenario.size:
             self._cameras.update(snapshot.scenario, snapshot.poses, state.live)
         return len(snapshot.poses)
 
-    def _draw_plots(self, view: View) -> None:
-        series, state = self._feed.series(view), view.snapshot.state
-        cursor, spans = (None if view.place is None else view.place.stamp), self._feed.spans(view)
-        for chart in self._charts:
-            chart.draw(
-                series, ghost=bool(state and state.compare), cursor=cursor, spans=spans, chosen=self._ledger.span
-            )
-
-    def _key(self, live: View, view: View) -> tuple[object, ...]:
+    def _key(self, live: View, view: View, seen: Collection[str]) -> tuple[object, ...]:
         """What users see at once when it changes; the rest of the panels is drawn now and then (pacing.py)."""
         snapshot, state = live.snapshot, live.snapshot.state
         place = None if view.place is None or self._feed.playhead.playing else view.place
-        page = (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus, place)
+        page = (snapshot.world_alive, snapshot.connected, self._faults.target, self._scene.focus, place, seen)
         if state is None:
             return page
         newest = state.events[-1].number if state.events else 0
         run = (state.episode, state.revision, state.status, state.speed, state.compare, newest)
         return (*page, *run, tuple(state.dismissed), tuple(state.live))
 
-    def _draw_panels(self, live: View, view: View, *, whole: bool) -> None:
+    def _draw_panels(self, live: View, view: View, seen: Collection[str]) -> None:
         """Draw what belongs to the moment that is looked at, and controls as the run has them now."""
         snapshot = live.snapshot
         self._run.draw(live, view)
@@ -262,15 +249,8 @@ class Page:
         n = len(snapshot.poses)
         driver = {"driver": 1} if _driven(snapshot) else {}
         verbs = {"all": 0, **driver, **dict.fromkeys(("link", "both", "focus", *VERBS), n)}
-        self._clickable.set_verbs({**verbs, **LedgerTab.verbs(snapshot.state)} if n else {})
-        self._link_matrix.content = link_matrix(view.snapshot, view.links, self._clickable, self._faults.target)
-        self._turn += 1
-        if whole or self._turn % 2:  # the other tabs take turns, because they change less
-            self._robot_table.content = robot_table(view.snapshot, view.links, self._clickable)
-            self._network_cards.content = self._network.html(view, self._clickable, self._faults.target)
-        if whole or not self._turn % 2:
-            self._event_log.content = event_log(view.snapshot.state)
-            self._ledger_table.content = self._ledger.html(snapshot, self._clickable)
+        self._clickable.set_verbs({**verbs, **self._tabs.ledger.verbs(snapshot.state)} if n else {})
+        self._tabs.draw(live, view, self._clickable, self._faults.target, seen)
         if snapshot.state is not None:
             self._faults.draw(snapshot.state, driven=_driven(snapshot))
             self._push.draw(snapshot)

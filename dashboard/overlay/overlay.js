@@ -3,7 +3,7 @@
   // and the camera, from viser's client. They are placed right after a frame is drawn, from what was drawn: the newest
   // message may be a frame ahead. Nothing is placed while nothing has changed.
   if (window.__echelonOverlay) window.__echelonOverlay();
-  const LEAST = 26, LEAST_OF_CROWD = 8, LARGEST = 16, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000;
+  const LEAST = 26, LEAST_OF_CROWD = 8, LARGEST = 16, CROWD = 128, LEAST_DIGIT = 11, MOST_DIGIT = 34, NOTICE_MS = 8000, SOFTWARE_MS = 10000, TELL_MS = 200;
   const SCALED = ["/bodies", "/outlines", "/believed", "/heads", "/slots", "/ghosts", "/told"];
   const root = document.createElement("div");
   root.id = "e-overlay";
@@ -12,7 +12,7 @@
   const [frame, things, status] = root.children;
   const sources = {}, shown = {}, numbers = [], chips = new Map();
   let dirty = true, config = {length: 0.055, digit: 0.024};
-  let notice = {number: 0, until: 0, html: ""}, told = 0;
+  let notice = {number: 0, until: 0, html: ""}, told = 0, toldAt = 0;
   const born = performance.now();
 
   // ---- what the server shows, and what this page tells it
@@ -31,9 +31,11 @@
   function tell(words) {
     const label = document.querySelector("LABEL"), box = label && label.closest(":has(input)");
     const input = box && box.querySelector("input");
-    if (!input) return;
+    if (!input) return false;
     Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, words + "," + (++told));
     input.dispatchEvent(new Event("input", {bubbles: true}));
+    toldAt = performance.now();
+    return true;
   }
   const modules = [], ends = [];  // of the parts below: {take()} now and then, and what is done when the script is replaced
   const tables = "TABLES";  // of keys and signs, and the help: the script is sent with them in this place
@@ -197,6 +199,10 @@
     if (window.innerWidth !== shown.width) { shown.width = window.innerWidth; tell("width," + window.innerWidth); }
     dirty = true;
   }
+  function tabs(now) {  // which this page has open; not right after other words, as viser sends the last of some only
+    const open = [...document.querySelectorAll('[role="tab"][aria-selected="true"]')].map(tab => tab.textContent.trim()).join();
+    if (open !== shown.tabs && now - toldAt > TELL_MS && tell("tabs," + open)) shown.tabs = open;
+  }
   function look(now) {
     for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound", "drive"])
       if (!source(name)) sources[name] = document.querySelector(`[data-part="${name}"]`);
@@ -205,6 +211,7 @@
     takeChips();
     statusLine(now);
     for (const module of modules) module.take();
+    tabs(now);
   }
   function draw() {  // after a frame
     const viewer = window.__viserMutable, tree = window.__viserSceneTree.getState(), bodies = drawn(viewer, "/bodies");

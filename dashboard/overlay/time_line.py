@@ -49,7 +49,7 @@ class TimeLine:
         if key == self._key and monotonic() - self._drawn_at < INTERVAL:
             return
         self._key, self._drawn_at = key, monotonic()
-        trace = {number: [[round(t, 1), round(1e3 * e, 1)] for t, e in rows] for number, rows in tape.trace().items()}
+        trace = {number: (rows * [1.0, 1e3]).round(1).tolist() for number, rows in tape.trace().items()}
         line = {
             "episodes": [
                 [one.number, round(one.begins, 2), round(one.ends, 2), trace[one.number]] for one in tape.episodes

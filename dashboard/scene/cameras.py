@@ -41,6 +41,8 @@ TRIES = 4
 """To read or write a camera while its page sends another pose."""
 STEP = 1e-3
 """A camera that follows moves once it is off by this share of its view's height: by less than a pixel or about one."""
+ROUNDING = 1e-6
+"""Relative to a place's coordinates."""
 ABOVE: FloatArray = np.array([0.0, -TILT, 1.0])
 """Direction from the point looked at to a camera above it."""
 
@@ -194,9 +196,10 @@ class Cameras:
         with page.client.atomic():
             camera = page.client.camera
             for _ in range(TRIES):
-                camera.position = look_at + offset
-                camera.look_at = look_at
-                if np.allclose(camera.position, look_at + offset):  # else a pose from the page came in between
+                camera.position = look_at + offset  # viser moves the point looked at along with it
+                if not _near(camera.look_at, look_at):
+                    camera.look_at = look_at
+                if _near(camera.position, look_at + offset):  # else a pose from the page came in between
                     break
             if abs(camera.fov - FOV) > 1e-6:
                 camera.fov = FOV
@@ -252,6 +255,11 @@ class Cameras:
 def _distance(height: float) -> float:
     """From which a view is so high [m]."""
     return 0.5 * height / math.tan(FOV / 2.0)
+
+
+def _near(place: FloatArray, wanted: FloatArray) -> bool:
+    """Whether two places are the same but for rounding [m]."""
+    return bool(np.abs(place - wanted).max() <= ROUNDING * (1.0 + np.abs(wanted).max()))
 
 
 def _is_there(page: _PageCamera, look_at: FloatArray) -> bool:

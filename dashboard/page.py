@@ -173,8 +173,6 @@ class Page:
         self._feed.source.start()
         self._requests.start()
         due, robots = monotonic(), 0
-        gc.collect()
-        gc.freeze()  # what there is now stays
         while not lifetime.over:
             try:
                 robots = self._frame() if self._due else len(self._feed.now().snapshot.poses)

@@ -1,7 +1,9 @@
 """Laws of the page's loop."""
 
+import gc
 import logging
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from network.control import Pause, Start, operation
 from network.memory_bus import MemoryHub
 from network.requests import Reply, Request, Setup
 from tests.builders import state
-from tests.dashboard.fakes import receive
+from tests.dashboard.fakes import edit, receive
 
 
 def test_a_frame_that_cannot_be_drawn_does_not_end_the_page(
@@ -75,6 +77,25 @@ def test_without_an_open_page_every_state_is_kept_and_few_are_drawn(
     assert len(kept.t) >= 25, "every moment"
     assert drawn
     assert (np.diff(drawn) >= UNWATCHED_FRAME).all()
+
+
+def test_what_a_page_that_is_gone_has_left_is_freed(page: Page) -> None:
+    class Left:
+        """Refers to itself, as viser's objects of a page do."""
+
+        def __init__(self) -> None:
+            self.itself = self
+
+    gc.disable()
+    try:
+        left = weakref.ref(Left())
+        page._collect()
+        assert left() is not None
+        page._closed(edit(0).client)
+        page._collect()
+        assert left() is None
+    finally:
+        gc.enable()
 
 
 def test_two_dashboards_of_one_run_show_the_same_and_both_may_ask() -> None:

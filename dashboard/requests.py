@@ -1,7 +1,7 @@
 """Requests to the world: one thread sends them, so that no button waits and requests keep their order."""
 
 import threading
-from queue import Empty, SimpleQueue
+from queue import Empty
 from time import monotonic
 from typing import Any
 
@@ -10,6 +10,7 @@ from dashboard.telemetry.feed import Source
 from formation.errors import WireError
 from network.bus import Bus
 from network.control import Clear, Operation, SetFault
+from network.inbox import Inbox
 from network.throttled_log import ThrottledLog
 
 QUIET_SECONDS = 0.08
@@ -30,7 +31,7 @@ class RequestQueue:
 
     def __init__(self, bus: Bus | None, telemetry: Source, notify: Notify) -> None:
         self._bus, self._telemetry, self._notify = bus, telemetry, notify
-        self._queue: SimpleQueue[tuple[Operation, int | None] | None] = SimpleQueue()
+        self._queue: Inbox[tuple[Operation, int | None] | None] = Inbox()
         """What is sent, and for which page; None wakes the thread for a resting value."""
         self._lock = threading.Lock()
         self._resting: dict[tuple[str, ...], dict[str, Any]] = {}
@@ -65,7 +66,7 @@ class RequestQueue:
 
     def ask(self, operation: Operation, page: int | None) -> None:
         """Request an operation, after all earlier requests."""
-        if self._queue.qsize() > MOST_WAITING:
+        if len(self._queue) > MOST_WAITING:
             self.refuse("Not done", "Too many requests are waiting.", page)
             return
         self._flush()

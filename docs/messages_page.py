@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from docs.markdown import code, table
+from docs.topics_table import table as topics_table
 from network.control import OPERATIONS
-from network.reference import table as topics_table
 from network.topics import MESSAGES
 
 NETWORK = Path(__file__).parents[1] / "network"

@@ -4,12 +4,12 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from queue import SimpleQueue
 from time import monotonic, sleep
 
 from formation.errors import EchelonError
 from network.access.keys import Keys
 from network.arguments import add_keys
+from network.inbox import Inbox
 from network.lifetime import Lifetime
 from network.run_folder import remove
 from network.zenoh_bus import Router
@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--folder", help="the run's private folder, removed at the end")
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(name)s router: %(message)s", stream=sys.stderr)
-    wake: SimpleQueue[None] = SimpleQueue()
+    wake: Inbox[None] = Inbox()
     lifetime = Lifetime(lambda: wake.put(None))
     try:
         keys = None if options.keys is None else Keys.of(options.keys, "router")

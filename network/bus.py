@@ -7,13 +7,14 @@ network/zenoh_bus.py between processes, and network/memory_bus.py inside one.
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from queue import Empty, SimpleQueue
+from queue import Empty
 from time import monotonic
 from types import TracebackType
 from typing import NamedTuple, Protocol, Self
 
 from network.codec import decode
 from network.control import GetSetup, Operation, request
+from network.inbox import Inbox
 from network.messages import Message
 from network.requests import Reply, Request, Setup
 from network.throttled_log import ThrottledLog
@@ -167,7 +168,7 @@ class Bus(Protocol):
 
     run: str
     """Name of the run."""
-    inbox: SimpleQueue[Incoming]
+    inbox: Inbox[Incoming]
     """What has arrived; read it with `arrivals`."""
 
     @property

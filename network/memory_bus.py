@@ -8,12 +8,12 @@ import heapq
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from queue import SimpleQueue
 from typing import NamedTuple
 
 from network import control
 from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import encode
+from network.inbox import Inbox
 from network.messages import Message
 from network.requests import Request
 
@@ -124,7 +124,7 @@ class MemoryBus(Bus):
 
     def __init__(self, hub: MemoryHub, run: str, name: str, *, session: str) -> None:
         self.run, self.name, self.session = run, name, session
-        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
+        self.inbox: Inbox[Incoming] = Inbox()
         self.up = True
         """Whether it is connected; set by the hub."""
         self.watching = False

@@ -1,6 +1,6 @@
 """The topics of a run, in one table: key, message, sender, rate, reliability, what is recorded.
 
-Key expressions, the names in network/codec.py, staleness limits and the manual's table (network/reference.py) follow
+Key expressions, the names in network/codec.py, staleness limits and the manual's table (docs/topics_table.py) follow
 from it. A new topic is a line of TOPICS and a message in network/messages.py.
 """
 

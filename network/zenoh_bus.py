@@ -9,7 +9,6 @@ import json
 import os
 import threading
 from collections.abc import Iterator, Sequence
-from queue import SimpleQueue
 from typing import Any
 
 import zenoh
@@ -20,6 +19,7 @@ from network.access.keys import LOCAL, Keys, check, protocol
 from network.access.rules import access_list
 from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
+from network.inbox import Inbox
 from network.messages import Message
 from network.requests import Request
 
@@ -93,7 +93,7 @@ class ZenohBus(Bus):
         """
         check(endpoint, keys, insecure=insecure)
         self.run = run
-        self.inbox: SimpleQueue[Incoming] = SimpleQueue()
+        self.inbox: Inbox[Incoming] = Inbox()
         self._publishers: dict[str, zenoh.Publisher] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._declared: list[object] = []
@@ -177,9 +177,9 @@ class ZenohBus(Bus):
                 return _bytes(reply.ok.payload)
         return None
 
-    def stamps(self, key: str) -> SimpleQueue[tuple[float, float]]:
+    def stamps(self, key: str) -> Inbox[tuple[float, float]]:
         """Of samples: when they passed the router by its clock, and arrived here by ours [s since 1970]."""
-        found: SimpleQueue[tuple[float, float]] = SimpleQueue()
+        found: Inbox[tuple[float, float]] = Inbox()
 
         def take(sample: zenoh.Sample) -> None:
             here = self._session.new_timestamp().get_time().timestamp()

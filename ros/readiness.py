@@ -1,13 +1,14 @@
 """Whether a run with real robots can start: each is there, says where it is, and has the room that it needs."""
 
 from collections.abc import Mapping
-from queue import Empty, SimpleQueue
+from queue import Empty
 from time import monotonic
 
 import numpy as np
 
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
+from network.inbox import Inbox
 from ros.decoding import Place, PoseReader
 from ros.session import RosSession
 from ros.spec import RobotSpec
@@ -77,7 +78,7 @@ def _look(spec: RobotSpec) -> tuple[Chosen, Place]:
 
 
 def _pose(session: RosSession, spec: RobotSpec, chosen: Chosen) -> Place:
-    inbox: SimpleQueue[tuple[bytes, float]] = SimpleQueue()
+    inbox: Inbox[tuple[bytes, float]] = Inbox()
     end = session.subscribe(chosen.pose, lambda data, at: inbox.put((data, at)))
     reader = PoseReader(chosen.pose.type, spec.namespace)
     until, wrong = monotonic() + LOOK_SECONDS, ""

@@ -3,7 +3,7 @@
 Whatever ends, the robot is told to stand: the process, the run, the link to either.
 """
 
-from queue import Empty, SimpleQueue
+from queue import Empty
 from time import monotonic, sleep, time_ns
 
 import numpy as np
@@ -13,6 +13,7 @@ from network import topics
 from network.bodies import BodyInput
 from network.bus import Bus, Sample
 from network.codec import decode
+from network.inbox import Inbox
 from network.lifetime import Lifetime
 from network.throttled_log import ThrottledLog
 from records.messages import twist, twist_stamped
@@ -36,7 +37,7 @@ class _Robot:
 
     def __init__(self, session: RosSession, chosen: Chosen, spec: RobotSpec) -> None:
         self.chosen = chosen
-        self.inbox: SimpleQueue[tuple[bytes, float]] = SimpleQueue()
+        self.inbox: Inbox[tuple[bytes, float]] = Inbox()
         self._end = session.subscribe(chosen.pose, lambda data, at: self.inbox.put((data, at)))
         self._stamped = chosen.command.type != TWIST
         self._frame = f"{spec.namespace.strip('/')}/base_link".lstrip("/")

@@ -1,7 +1,5 @@
 """What a test sees of a run beside its page, over one session: to open one takes longer than to ask."""
 
-import time
-from queue import Empty
 from typing import Self
 
 from network import topics
@@ -40,20 +38,13 @@ class Watch:
 
     def _next(self, topic: str, seconds: float) -> bytes:
         """The next message on a topic; what has come before is forgotten."""
-        try:
-            return self._newest(topic, seconds)
-        except Empty:  # a router that was starved may have dropped the session: seen once in a long run
-            self.close()
-            return self._newest(topic, seconds)
-
-    def _newest(self, topic: str, seconds: float) -> bytes:
-        inbox, end = self._session().inbox, time.monotonic() + seconds
-        while not inbox.empty():
-            inbox.get_nowait()
-        while True:
-            item = inbox.get(timeout=max(0.01, end - time.monotonic()))
+        session = self._session()
+        while not session.inbox.empty():
+            session.inbox.get_nowait()
+        for item in session.incoming(seconds):
             if isinstance(item, Sample) and item.key == topic:
                 return item.payload
+        raise TimeoutError(f"expected a message of {topic} within {seconds:g} s")
 
     def state(self, seconds: float = 10.0) -> State:
         """The next state."""

@@ -5,9 +5,9 @@ import sys
 
 WAITS = """
 import os, signal
-from queue import SimpleQueue
+from network.inbox import Inbox
 from network.lifetime import Lifetime
-wake = SimpleQueue()
+wake = Inbox()
 lifetime = Lifetime(lambda: wake.put(None))
 signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # the main thread alone: another one gets the signal
 print(lifetime.over)

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from network import reference, topics
+from docs import topics_table
+from network import topics
 from network.messages import Message
 from network.topics import TOPICS, Topic
 
@@ -40,7 +41,7 @@ def test_a_sender_that_counts_as_gone_has_missed_several_messages() -> None:
 
 
 def test_the_manuals_table_has_every_topic_with_its_message() -> None:
-    lines = reference.table().splitlines()[2:]
+    lines = topics_table.table().splitlines()[2:]
     assert len(lines) == len(TOPICS)
     for topic, line in zip(TOPICS, lines, strict=True):
         assert f"`echelon/{{run}}/{topic.path}`" in line

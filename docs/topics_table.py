@@ -1,6 +1,4 @@
-"""The table of topics as the manual has it, made of network/topics.py: `python -m network.reference` prints it."""
-
-import sys
+"""The table of topics as the manual has it, made of network/topics.py."""
 
 from network.control import OPERATIONS, QUESTIONS
 from network.topics import ALIVE, QUESTION, ROOT, TOPICS, Topic
@@ -26,7 +24,3 @@ def _message(topic: Topic) -> str:
         names = [name for name in OPERATIONS if (name in QUESTIONS) == (topic is QUESTION)]
         return f"{topic.carries}: {asked} ({', '.join(names)}); answered by {' or '.join(answers)}"
     return f"{topic.messages[0].__name__}: {topic.carries}"
-
-
-if __name__ == "__main__":
-    sys.stdout.write(table())

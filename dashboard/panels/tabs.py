@@ -41,12 +41,13 @@ class Tabs:
             self._robot_table: Any = gui.add_html("")
         with panel.add_tab(NETWORK):
             self._network_cards: Any = gui.add_html("")
-            self._charts = {LIVE: charts, NETWORK: [Chart(gui, BELIEF)]}
+            belief = Chart(gui, BELIEF)
         with panel.add_tab(LEDGER):
             self._ledger_table: Any = gui.add_html("")
         with panel.add_tab(LOG):
             self._event_log: Any = gui.add_html("")
         panel.dock_right()
+        self._charts = {LIVE: charts, NETWORK: [belief]}
 
     def set_width(self, width: int) -> None:
         """Of the panel, in all pages [px]."""
@@ -70,9 +71,8 @@ class Tabs:
 
     def seen(self, pages: Collection[int]) -> frozenset[str]:
         """The tabs that any of these pages has open; one that has told nothing yet may have any."""
-        if not all(page in self._open for page in pages):
-            return frozenset(NAMES)
-        return frozenset[str]().union(*(self._open[page] for page in pages))
+        told = [self._open.get(page) for page in pages]  # a page may go, or tell something, meanwhile
+        return frozenset(NAMES) if None in told else frozenset(name for names in told if names for name in names)
 
     # ------------------------------------------------------------------ drawing
 

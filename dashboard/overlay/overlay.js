@@ -196,12 +196,10 @@
     shown.area = found;
     [root.style.left, root.style.top, root.style.width, root.style.height] = found.split(" ");
     root.classList.toggle("e-narrow", window.innerWidth < 1400);
-    if (window.innerWidth !== shown.width) { shown.width = window.innerWidth; tell("width," + window.innerWidth); }
     dirty = true;
   }
-  function tabs(now) {  // which this page has open; not right after other words, as viser sends the last of some only
-    const open = [...document.querySelectorAll('[role="tab"][aria-selected="true"]')].map(tab => tab.textContent.trim()).join();
-    if (open !== shown.tabs && now - toldAt > TELL_MS && tell("tabs," + open)) shown.tabs = open;
+  function keepTold(name, value, now) {  // not right after other words, as viser sends the last of some only
+    if (value !== shown[name] && now - toldAt > TELL_MS && tell(name + "," + value)) shown[name] = value;
   }
   function look(now) {
     for (const name of ["config", "status", "notice", "chips", "line", "marks", "rewound", "drive"])
@@ -211,7 +209,9 @@
     takeChips();
     statusLine(now);
     for (const module of modules) module.take();
-    tabs(now);
+    const open = [...document.querySelectorAll('[role="tab"][aria-selected="true"]')].map(tab => tab.textContent.trim());
+    keepTold("width", window.innerWidth, now);
+    keepTold("tabs", open.join(), now);
   }
   function draw() {  // after a frame
     const viewer = window.__viserMutable, tree = window.__viserSceneTree.getState(), bodies = drawn(viewer, "/bodies");

@@ -71,12 +71,13 @@ def settle(page: Page) -> None:
 
 @contextmanager
 def page_of(scenario: Scenario) -> Iterator[Page]:
-    """A page that nobody looks at, after its first frame."""
+    """A page that nobody looks at, after its first frame, with what that wrote to controls."""
     served = serve(Guard("127.0.0.1"), 0, "x")
     made = Page(served, bus(scenario))
     assert receive(made._feed.source, topics.state("x"), encode(state(scenario.size)))
     made._feed.source.update_scenario()
     assert made._frame() == scenario.size
+    settle(made)
     yield made
     server.stop(served)
 

@@ -25,7 +25,7 @@ from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Command, Plan, Status, Tick
-from network.values import LinkCounts, maker
+from network.values import NO_WAY, LinkCounts, maker
 
 _make_plan, _make_command = maker(Plan), maker(Command)
 
@@ -255,29 +255,30 @@ class Agent:
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
-        solve = sum(self._solves) / len(self._solves) if self._solves else 0.0
-        self._solves.clear()
-        belief, asked = self._receivers[0].belief, self.observation
+        solves, self._solves = self._solves, []
+        sent, asked = self._sending.last, self.observation
         return Status(
             sender=self.robot,
             seq=k,
             stamp=stamp,
             episode=self.episode,
             link=self._receivers[0].id,
-            age=belief.seconds_old(stamp),
-            plan=self._sending.last,
-            held=belief.plan,
+            age=self._receivers[0].belief.seconds_old(stamp),
+            plan=self._sending.motion,
             counts=self.counts(),
-            solve=solve,
+            solve=sum(solves) / max(1, len(solves)),
             missed=missed,
             gap=self._gap(k, stamp),
             rejected=rejected,
             pid=pid,
             converged=self._converged,
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
-            lost=self._sending.last is not None and self._sending.last.lost,
+            lost=sent is not None and sent.lost,
+            lag=sent.lag if sent else 0.0,
+            way=sent.way if sent else NO_WAY,
+            plan_bytes=self._sending.size,
             keeps_off=self._avoidance.who,
-            believes=asked.believes(self._task.tick) if asked else None,
+            believes=asked.believes(self._task.tick, self._task.interval) if asked else None,
         )
 
     @property

@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.drifting import age_drifting
+from network.codec import encode
 from network.messages import Command, Plan
+from network.values import Motion
 
 QUIET = 0.5
 """A plan goes out at least this often [s], so that silence can be told from a link that is cut."""
@@ -42,6 +44,17 @@ class Sending:
     def last(self) -> Plan | None:
         """The newest plan that went out."""
         return self._sent
+
+    @property
+    def motion(self) -> Motion | None:
+        """What it says of the robot's way."""
+        sent = self._sent
+        return Motion(sent.begins, sent.pose, sent.interval, sent.inputs) if sent else None
+
+    @property
+    def size(self) -> int:
+        """Of its message [bytes]; 0 before the first."""
+        return len(encode(self._sent)) if self._sent else 0
 
     @property
     def next(self) -> int:

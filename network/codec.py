@@ -21,14 +21,14 @@ from formation.schema import MAX_SCENARIO
 from network.messages import VERSION, Message
 from network.stretch import Order
 from network.topics import MESSAGES
-from network.values import Believed, Driving, Event, Excursion, Intervention, LinkCounts, Pushed
+from network.values import Driving, Event, Excursion, Intervention, LinkCounts, Motion, Pushed
 
 MAX_BYTES = MAX_SCENARIO + (1 << 20)
 _CRC = struct.Struct("<I")
 _NAMES: dict[type[Any], str] = {kind: name for name, kind in MESSAGES.items()}
 _FIELDS: dict[type[Any], tuple[str, ...]] = {
     kind: tuple(f.name for f in dataclasses.fields(kind))
-    for kind in (*_NAMES, Believed, LinkCounts, Event, Driving, Order, Intervention, Pushed, Excursion)
+    for kind in (*_NAMES, Motion, LinkCounts, Event, Driving, Order, Intervention, Pushed, Excursion)
 }
 _ADAPTERS: dict[type, TypeAdapter[Any]] = {}
 

@@ -38,7 +38,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Recording, Stretch
 from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RecordWish, RunStatus
 
-VERSION = 6
+VERSION = 7
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD  # the sender number of the world
 
@@ -155,7 +155,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Status:
-    """Agent to displays, ten times a second: its plans, its link, its solver."""
+    """Agent to displays, ten times a second: what it plans and believes, its link, its solver."""
 
     sender: Sender
     seq: Count
@@ -165,10 +165,8 @@ class Status:
     """Name of the link from its upstream neighbour."""
     age: NonNegative
     """Age of the newest plan that arrived over it [s]."""
-    plan: Plan | None
-    """The newest plan that it sent; None before the first."""
-    held: Plan | None
-    """The newest plan of its upstream neighbour that arrived, however old; None before the first."""
+    plan: values.Motion | None
+    """The newest plan that it sent; None before the first. Displays need no more of a plan."""
     counts: LinkCounts
     solve: NonNegative
     """Mean wall-clock time per plan since the last status [s]."""
@@ -184,9 +182,15 @@ class Status:
     """Both as in the Command of the same tick."""
     way_age: NonNegative = 0.0
     """Since robot 1 sent what this robot knows of the path [s]; 0 for a robot that knows the path itself."""
-    lost: Flag = False  # as in Plan
-    believes: values.Believed | None = None
-    """What its controller was given of the neighbour upstream for its newest plan; None before the first."""
+    lost: Flag = False
+    lag: NonNegative = 0.0
+    way: Way = field(default_factory=lambda: values.NO_WAY)
+    """All three as in `plan`."""
+    plan_bytes: Count = 0
+    """Size of the message with `plan`; 0 if that is not known."""
+    believes: values.Motion | None = None
+    """What its controller was given of the neighbour upstream for its newest plan: that neighbour's own, carried on
+    to where this one begins; without one, or past its end, the neighbour is taken to be in its slot."""
     __pydantic_config__ = STRICT
 
 

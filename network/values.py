@@ -7,7 +7,7 @@ from typing import Any, Literal, ParamSpec, TypeVar
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
-from network.fields import STRICT, Count, Far, Fast, Inputs, NonNegative, Pose, Sender, Text
+from network.fields import STRICT, Count, Far, Fast, Inputs, NonNegative, Pose, Positive, Sender, Text
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -93,17 +93,16 @@ class Pushed:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Believed:
-    """What a controller was given of the neighbour upstream: its newest plan, carried forward to where the own begins.
-
-    Without a plan, or past its end, the neighbour is taken to be in its slot.
-    """
+class Motion:
+    """Where a robot is to drive: a pose, and the inputs from there on."""
 
     begins: NonNegative
     """Time of the pose [s]."""
     pose: Pose
+    interval: Positive
+    """How long each input is held [s]."""
     inputs: Inputs
-    """(N, 2) mean body velocities from there on."""
+    """(N, 2) mean body velocities over the intervals."""
     __pydantic_config__ = STRICT
 
 

@@ -16,9 +16,9 @@ from formation.scenario.registry import DEFAULT
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import to_text
 from formation.unicycle import roll_out
-from network.messages import VERSION, WORLD, Plan, Status
+from network.messages import VERSION, WORLD, Status
 from network.stretch import Order, Recording, Stretch
-from network.values import Believed, LinkCounts
+from network.values import LinkCounts, Motion
 from records import messages, pictures
 from records.file import RecordFile
 
@@ -228,17 +228,17 @@ class Recorder:
         robot, at = f"/robot{number}", episode.begins + round(status.stamp * 1e9)
         plan, believes = status.plan, status.believes
         if plan is not None:
-            self._draw(episode, f"{robot}/plan", plan, plan.interval, at)
-            if believes is not None:
-                self._draw(episode, f"{robot}/belief", believes, plan.interval, at)
+            self._draw(episode, f"{robot}/plan", plan, at)
+        if believes is not None:
+            self._draw(episode, f"{robot}/belief", believes, at)
         counts, way = _counts(status.counts), (status.way_age, status.lost)
         data = messages.link(at, str(status.link), status.age, counts, status.solve, status.gap, way)
         self._write(f"{robot}/link", "echelon_msgs/Link", at, data)
 
-    def _draw(self, episode: _Episode, topic: str, plan: Plan | Believed, interval: float, at: int) -> None:
-        poses = roll_out(plan.pose[None], plan.inputs[None], interval)[0]
-        begins = episode.begins + round(plan.begins * 1e9)
-        step = round(interval * 1e9)
+    def _draw(self, episode: _Episode, topic: str, motion: Motion, at: int) -> None:
+        poses = roll_out(motion.pose[None], motion.inputs[None], motion.interval)[0]
+        begins = episode.begins + round(motion.begins * 1e9)
+        step = round(motion.interval * 1e9)
         stamps = [begins + i * step for i in range(len(poses))]
         self._write(topic, "nav_msgs/Path", at, messages.path(at, poses, stamps))
 

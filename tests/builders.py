@@ -8,7 +8,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.link_ids import LinkId
 from network.messages import WORLD, Command, Plan, State, Status, Tick
-from network.values import NO_PLACES, Event, LinkCounts
+from network.values import NO_PLACES, Event, LinkCounts, Motion
 
 TICK = 0.01
 """Control interval of every shipped scenario [s]."""
@@ -18,6 +18,12 @@ def plan(sender: int, seq: int, episode: int = 0, **changes: Any) -> Plan:
     """A plan of tick `seq`."""
     whole = Plan(sender, seq, TICK * seq, episode, np.array([1.0, 2.0, 0.5]), 0.1, np.full((20, 2), 0.1))
     return replace(whole, **changes)
+
+
+def motion(seq: int = 100, **changes: Any) -> Motion:
+    """What a Status has of the plan of tick `seq`."""
+    whole = plan(1, seq)
+    return replace(Motion(whole.begins, whole.pose, whole.interval, whole.inputs), **changes)
 
 
 def tick(k: int, poses: FloatArray, *, odometry: FloatArray | None = None, **changes: Any) -> Tick:
@@ -55,7 +61,6 @@ def status(sender: int, upstream: int, **changes: Any) -> Status:
         link=LinkId(upstream, sender),
         age=0.0,
         plan=None,
-        held=None,
         counts=LinkCounts(),
         solve=0.0,
         missed=0,

@@ -18,10 +18,10 @@ from formation.scenario.user_code import UserCode
 from network.fields import Count, Inputs, Numbers, Pose, Positive
 from network.messages import Message
 from network.stretch import Order
-from network.values import Believed, Driving, Event, Excursion, LinkCounts, Pushed
+from network.values import Driving, Event, Excursion, LinkCounts, Motion, Pushed
 from tests.strategies import of
 
-WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Order, Believed, Pushed, Excursion, Fault, UserCode]
+WHOLE = [*typing.get_args(Message), LinkCounts, Event, Driving, Order, Motion, Pushed, Excursion, Fault, UserCode]
 MODELS = [Fault, Disturbance, Limits, Noise, StartNoise]
 
 

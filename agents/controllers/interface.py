@@ -12,7 +12,7 @@ from formation.arrays import FloatArray, frozen
 from formation.scenario.controllers import ControllerOptions
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from network.values import NO_NEWS, STILL, Believed
+from network.values import NO_NEWS, STILL, Motion
 
 NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
@@ -81,9 +81,9 @@ class Observation(NamedTuple):
     reference: Horizon | None = None
     """Given to controllers of users' own; the others ask their Task."""
 
-    def believes(self, tick: float) -> Believed:
-        """What this says of the neighbour upstream, for displays; a tick is so long [s]."""
-        return Believed(self.k * tick, self.upstream.pose.copy(), self.upstream.inputs.copy())
+    def believes(self, tick: float, interval: float) -> Motion:
+        """What this says of the neighbour upstream, for displays; a tick and an input last so long [s]."""
+        return Motion(self.k * tick, self.upstream.pose.copy(), interval, self.upstream.inputs.copy())
 
 
 class Solution(NamedTuple):

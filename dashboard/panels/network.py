@@ -16,8 +16,7 @@ from dashboard.theme.limits import DISTANCE_LIMIT
 from dashboard.theme.palette import hue
 from dashboard.theme.templates import render
 from formation.arrays import FloatArray
-from network.codec import encode
-from network.messages import State, Status
+from network.messages import State
 from network.values import LinkCounts
 
 SECONDS = 60.0
@@ -103,8 +102,8 @@ class NetworkTab:
 
     def _weigh(self, view: View, senders: Collection[int]) -> None:
         for robot, status in view.snapshot.statuses.items():
-            if status.plan is not None and robot in senders:
-                self._sizes[robot] = _size(status)
+            if status.plan_bytes and robot in senders:
+                self._sizes[robot] = status.plan_bytes
 
     def _card(
         self,
@@ -135,11 +134,6 @@ class NetworkTab:
             off_level=0.0 if off is None else off[0] / DISTANCE_LIMIT,
             rate="" if size is None or seconds < 1.0 else f"{1e-3 * size * found.sent / seconds:.1f} kB/s",
         )
-
-
-def _size(status: Status) -> int:
-    assert status.plan is not None
-    return len(encode(status.plan))
 
 
 def _along(age: float) -> float:

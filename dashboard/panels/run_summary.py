@@ -86,8 +86,7 @@ def condition(snapshot: Snapshot) -> Condition:
 
 def lag(status: Status | None, state: State) -> float:
     """How far a robot is behind the clock by its newest plan [s]; 0 without one of this episode."""
-    plan = status.plan if status is not None else None
-    return plan.lag if plan is not None and plan.episode == state.episode else 0.0
+    return status.lag if status is not None and status.episode == state.episode else 0.0
 
 
 def _tiles(snapshot: Snapshot, state: State, links: list[LinkView], beliefs: list[BeliefView]) -> list[Tile]:

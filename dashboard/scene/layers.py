@@ -21,7 +21,8 @@ from formation.arrays import FloatArray
 from formation.pattern import upstream
 from formation.scenario.scenario import Scenario
 from formation.unicycle import roll_out
-from network.messages import Plan, Status
+from network.messages import Status
+from network.values import Motion
 
 TICK = 5
 """Steps of a preview between two ticks of its ribbon: half a second."""
@@ -136,7 +137,7 @@ def arrow_colours(
     return np.repeat(np.repeat(colour[:, None], dashes, axis=0), 2, axis=1), colour
 
 
-def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float) -> FloatArray:
+def horizons(plans: list[Motion | None], poses: FloatArray, steps: int, now: float) -> FloatArray:
     """(n, steps + 1, 2): where what is left of each plan leads to; a robot without one stays where it is drawn [m].
 
     Args:
@@ -154,10 +155,10 @@ def horizons(plans: list[Plan | None], poses: FloatArray, steps: int, now: float
     return roll_out(poses, inputs, interval)[..., :2]
 
 
-def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Plan | None]:
-    """The newest plan of every robot."""
-    numbers = range(1, robots + 1)
-    return [_of(i, statuses[i].plan if i in statuses else None, episode) for i in numbers]
+def own_plans(statuses: Mapping[int, Status], robots: int, episode: int) -> list[Motion | None]:
+    """The newest plan of every robot in this episode."""
+    found = map(statuses.get, range(1, robots + 1))
+    return [status.plan if status is not None and status.episode == episode else None for status in found]
 
 
 def believed(beliefs: list[BeliefView], poses: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
@@ -188,18 +189,17 @@ def told_ends(snapshot: Snapshot, robots: int) -> FloatArray:
     """(n, 2): where the way ended that each robot was told, if it is lost; else far away [m]."""
     ends = np.full((robots, 2), AWAY)
     for robot, status in snapshot.statuses.items():
-        plan = status.plan
-        if untold(status) and plan is not None and len(plan.way) and robot <= robots:
-            ends[robot - 1] = plan.way[-1, 2:4]
+        if untold(status) and len(status.way) and robot <= robots:
+            ends[robot - 1] = status.way[-1, 2:4]
     return ends
 
 
-def preview(plan: Plan | None, steps: int, z: float) -> FloatArray:
+def preview(way: FloatArray, steps: int, z: float) -> FloatArray:
     """(steps, 2, 3): where robot 1 says that the formation's centre will be; nothing to be seen if it says nothing."""
     line = np.zeros((steps + 1, 2))
-    if plan is not None and len(plan.way):
-        line[:] = plan.way[-1, 2:4]
-        line[: len(plan.way)] = plan.way[: steps + 1, 2:4]
+    if len(way):
+        line[:] = way[-1, 2:4]
+        line[: len(way)] = way[: steps + 1, 2:4]
     return geometry.lifted(np.stack([line[:-1], line[1:]], axis=1), z)
 
 
@@ -218,11 +218,6 @@ def goal(place: tuple[float, float] | None, size: float, z: float) -> FloatArray
     """(2, 2, 3): a cross where the centre is driving to; nothing to be seen if nowhere [m]."""
     arms = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]]) * (0.0 if place is None else size)
     return geometry.lifted(arms + np.array(place or (0.0, 0.0)), z)
-
-
-def _of(robot: int, plan: Plan | None, episode: int) -> Plan | None:
-    """The plan, if it is this robot's and of this episode."""
-    return plan if plan is not None and (plan.sender, plan.episode) == (robot, episode) else None
 
 
 def fading(colour: FloatArray, points: int, strength: float, palette: Palette, *, towards_end: bool) -> FloatArray:

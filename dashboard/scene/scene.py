@@ -17,6 +17,7 @@ from dashboard.theme.palette import DARK, Palette
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import State
+from network.values import NO_WAY
 
 SLOW = 3
 """Trails, which are the most bytes, plans, which come ten times a second, and colours: in every third frame."""
@@ -190,8 +191,9 @@ class Scene:
         )
         self._nodes["/horizons"].points = geometry.segments(self._sizes.detail.thinned(own), z(5))
         if "/preview" in self._nodes:
-            said = layers.own_plans(snapshot.statuses, n, state.episode)[snapshot.leader - 1]
-            line = self._nodes["/preview"].points = layers.preview(said, steps, z(1))
+            said = snapshot.statuses.get(snapshot.leader)
+            way = said.way if said is not None and said.episode == state.episode else NO_WAY
+            line = self._nodes["/preview"].points = layers.preview(way, steps, z(1))
             if "/ribbon" in self._nodes:
                 self._nodes["/ribbon"].points = layers.ribbon(line, self._sizes.ribbon, z(2))
             self._nodes["/goal"].points = layers.goal(state.driving.goal, 0.03 * self._sizes.unit, z(8))

@@ -11,7 +11,7 @@ from formation.arrays import FloatArray
 from formation.pattern import upstream
 from formation.unicycle import roll_out, step
 from network.messages import State, Status
-from network.values import Believed
+from network.values import Motion
 
 
 class BeliefView(NamedTuple):
@@ -41,7 +41,7 @@ class Beliefs:
     """
 
     def __init__(self) -> None:
-        self._known: dict[int, tuple[Believed | None, BeliefView | None]] = {}
+        self._known: dict[int, tuple[Motion | None, BeliefView | None]] = {}
 
     def update(self, snapshot: Snapshot) -> list[BeliefView]:
         """The beliefs of all robots, in the order of the receivers."""

@@ -15,8 +15,8 @@ from formation.link_ids import LinkId
 from formation.metrics import pattern_errors, wrapped
 from formation.pattern import upstream
 from formation.scenario.scenario import Scenario
-from network.messages import Plan, State, Status
-from network.values import NO_WAY, Believed, Event, LinkCounts
+from network.messages import State, Status
+from network.values import NO_WAY, Event, LinkCounts, Motion
 
 ROWS = 300
 ROW_SECONDS = 0.1
@@ -101,11 +101,10 @@ class Block:
             table[belief.receiver - 1, _OFF : _OFF + 2] = belief.offset
         for robot, status in statuses.items():
             if 1 <= robot <= len(table) and status.episode == state.episode:
-                i, plan, found = robot - 1, status.plan, status.counts
-                lag = plan.lag if plan is not None else 0.0
-                table[i, _AGE:_OFF] = age_now(state, status), status.way_age, status.solve, status.gap, lag
-                if status.lost and plan is not None and len(plan.way):
-                    table[i, _END_X:] = plan.way[-1, 2:4]
+                i, found = robot - 1, status.counts
+                table[i, _AGE:_OFF] = age_now(state, status), status.way_age, status.solve, status.gap, status.lag
+                if status.lost and len(status.way):
+                    table[i, _END_X:] = status.way[-1, 2:4]
                 flags[i] = _KNOWN | _LOST * status.lost | _CONVERGED * status.converged
                 off[i] = min(status.keeps_off, NOBODY)
                 counts[i] = (*(min(getattr(found, name), 2**32 - 1) for name in _COUNTS), min(status.missed, 2**32 - 1))
@@ -127,14 +126,14 @@ class Block:
         for robot, status in statuses.items():
             if not 1 <= robot <= n or status.episode != state.episode:
                 continue
-            for kind, plan in enumerate((status.plan, status.believes)):
-                if plan is not None and len(plan.inputs) == self._steps:
-                    placed[kind, robot - 1, _BEGINS] = plan.begins - self.times[0]
-                    placed[kind, robot - 1, _PLACED] = plan.pose
+            for kind, motion in enumerate((status.plan, status.believes)):
+                if motion is not None and len(motion.inputs) == self._steps:
+                    placed[kind, robot - 1, _BEGINS] = motion.begins - self.times[0]
+                    placed[kind, robot - 1, _PLACED] = motion.pose
                     if whole:
-                        inputs[kind, robot - 1] = plan.inputs
-            if whole and robot == 1 and status.plan is not None and len(status.plan.way):
-                way = status.plan.way[: self._steps + 1, 2:4]
+                        inputs[kind, robot - 1] = motion.inputs
+            if whole and robot == 1:
+                way = status.way[: self._steps + 1, 2:4]
                 told[: len(way)] = way
 
     # ------------------------------------------------------------------ out
@@ -180,15 +179,8 @@ class Block:
         found = {}
         for i in np.flatnonzero(self._flags[row] & _KNOWN).tolist():
             values, flags, robot = self._robots[row, i].tolist(), int(self._flags[row, i]), i + 1
-            own, believed = (self._placed[row, kind, i].astype(float) for kind in (0, 1))
             *counts, missed = self._counts[row, i].tolist()
-            plan, believes, lost = None, None, bool(flags & _LOST)
-            if np.isfinite(own[_BEGINS]):
-                plan = self._plan(robot, rare.episode, own, self._inputs[plans, 0, i], values[_LAG])
-                plan = replace(plan, way=self._told(plans, robot, values), lost=lost)
-            if np.isfinite(believed[_BEGINS]):
-                inputs = self._inputs[plans, 1, i].astype(float)
-                believes = Believed(float(believed[_BEGINS] + self.times[0]), believed[_PLACED], inputs)
+            plan, believes = (self._motion(row, kind, i) for kind in (0, 1))
             found[robot] = Status(
                 sender=robot,
                 seq=0,
@@ -197,7 +189,6 @@ class Block:
                 link=LinkId(upstream(robot, n, rare.away), robot),
                 age=values[_AGE],
                 plan=plan,
-                held=None,
                 counts=LinkCounts(*counts),
                 solve=values[_SOLVE],
                 missed=missed,
@@ -207,14 +198,20 @@ class Block:
                 converged=bool(flags & _CONVERGED),
                 keeps_off=int(self._keeps_off[row, i]),
                 way_age=values[_WAY_AGE],
-                lost=lost,
+                lost=bool(flags & _LOST),
+                lag=values[_LAG],
+                way=self._told(plans, robot, values),
                 believes=believes,
             )
         return found
 
-    def _plan(self, robot: int, episode: int, placed: FloatArray, inputs: Array, lag: float) -> Plan:
+    def _motion(self, row: int, kind: int, i: int) -> Motion | None:
+        """A robot's plan (0), or what it believes (1), with the inputs that were kept last."""
+        placed, inputs = self._placed[row, kind, i].astype(float), self._inputs[row // PLAN_EVERY, kind, i]
+        if not np.isfinite(placed[_BEGINS]):
+            return None
         begins, interval = float(placed[_BEGINS] + self.times[0]), self._scenario.controller.prediction_interval
-        return Plan(robot, 0, max(begins, 0.0), episode, placed[_PLACED], interval, inputs.astype(float), lag=lag)
+        return Motion(max(begins, 0.0), placed[_PLACED], interval, inputs.astype(float))
 
     def _told(self, plans: int, robot: int, values: list[float]) -> FloatArray:
         """A preview with the places alone: robot 1's as it was sent, of a robot that is lost the end."""

@@ -13,6 +13,7 @@ from dashboard.telemetry.snapshot import Snapshot
 from formation.arrays import FloatArray, frozen
 from formation.scenario.scenario import Scenario
 from network.messages import Ghost, State, Status
+from network.values import Motion
 
 NEAR = 100.0
 """Paths that begin nearer than this are drawn in their own coordinates [m]."""
@@ -78,14 +79,13 @@ def _state(state: State, origin: FloatArray) -> State:
 
 
 def _status(status: Status, origin: FloatArray) -> Status:
-    plan, believes = status.plan, status.believes
-    if plan is not None:
-        way = plan.way.copy()
-        way[:, 2:4] -= origin
-        plan = replace(plan, pose=_poses(plan.pose, origin), way=way)
-    if believes is not None:
-        believes = replace(believes, pose=_poses(believes.pose, origin))
-    return replace(status, plan=plan, believes=believes)
+    way = status.way.copy()
+    way[:, 2:4] -= origin
+    return replace(status, plan=_motion(status.plan, origin), believes=_motion(status.believes, origin), way=way)
+
+
+def _motion(motion: Motion | None, origin: FloatArray) -> Motion | None:
+    return motion and replace(motion, pose=_poses(motion.pose, origin))
 
 
 def _ghost(ghost: Ghost, origin: FloatArray) -> Ghost:

@@ -12,7 +12,8 @@ from formation.arrays import FloatArray
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from formation.unicycle import roll_out
-from network.messages import Command, Plan, State, Status
+from network.messages import Command, State, Status
+from network.values import Motion
 from records import messages, pictures
 from ros.types import MARKERS, ODOMETRY, PATH, TF, TWIST_STAMPED
 
@@ -121,10 +122,10 @@ class DisplayNode:
     def _plans(self, state: State, stamp: int) -> list[Shown]:
         found = []
         for status in self._current(state):
-            for name, plan in (("plan", status.plan), ("belief", status.held)):
-                if plan is not None:
-                    stamps = [stamp + round(i * plan.interval * 1e9) for i in range(len(plan.inputs) + 1)]
-                    data = messages.path(stamp, _rolled(plan), stamps)
+            for name, motion in (("plan", status.plan), ("belief", status.believes)):
+                if motion is not None:
+                    stamps = [stamp + round(i * motion.interval * 1e9) for i in range(len(motion.inputs) + 1)]
+                    data = messages.path(stamp, _rolled(motion), stamps)
                     found.append(Shown(f"/robot{status.sender}/{name}", PATH, data))
         return found
 
@@ -136,12 +137,12 @@ class DisplayNode:
             pictures.ways_to(state.slots, state.poses),
             pictures.links(state.poses, ages),
             pictures.curves("plans", [_rolled(one.plan) for one in current if one.plan], pictures.BLUE),
-            pictures.curves("beliefs", [_rolled(one.held) for one in current if one.held], pictures.VIOLET),
+            pictures.curves("beliefs", [_rolled(one.believes) for one in current if one.believes], pictures.VIOLET),
         ]
         return [*drawn, pictures.curves("path", [self._path], pictures.GREY)] if path else drawn
 
 
-def _rolled(plan: Plan) -> FloatArray:
-    """The poses (N + 1, 3) of a plan."""
-    poses: FloatArray = roll_out(plan.pose[None], plan.inputs[None], plan.interval)[0]
+def _rolled(motion: Motion) -> FloatArray:
+    """The poses (N + 1, 3) of a motion."""
+    poses: FloatArray = roll_out(motion.pose[None], motion.inputs[None], motion.interval)[0]
     return poses

@@ -23,8 +23,8 @@ from formation.scenario.files import parse
 from formation.scenario.registry import register_unloaded
 from formation.scenario.scenario import Scenario
 from formation.scenario.user_code import UserCode
-from network.messages import Plan, State, Status
-from network.values import Believed, Event, LinkCounts
+from network.messages import State, Status
+from network.values import Event, LinkCounts, Motion
 from records.cdr import Fields
 from records.messages import LEVELS
 from records.scanning import Message, Note, scan
@@ -66,8 +66,8 @@ class _Known:
     faults: dict[LinkId, Fault] = field(default_factory=dict)
     live: list[int] = field(default_factory=list)
     away: list[int] = field(default_factory=list)
-    plans: dict[int, Plan] = field(default_factory=dict)
-    believes: dict[int, Believed] = field(default_factory=dict)
+    plans: dict[int, Motion] = field(default_factory=dict)
+    believes: dict[int, Motion] = field(default_factory=dict)
     statuses: dict[int, tuple[float, Status]] = field(default_factory=dict)
     """When they were written [s]."""
     next: int = 0
@@ -166,11 +166,8 @@ def _path(data: bytes, begins: int) -> tuple[float, FloatArray] | None:
 
 def _planned(known: _Known, robot: int, kind: str, begins: float, poses: FloatArray) -> None:
     interval = known.scenario.controller.prediction_interval
-    inputs, begins = _inputs(poses, interval), max(begins, 0.0)
-    if kind == "plan":
-        known.plans[robot] = Plan(robot, 0, begins, known.number, poses[0], interval, inputs)
-    else:
-        known.believes[robot] = Believed(begins, poses[0], inputs)
+    motions = known.plans if kind == "plan" else known.believes
+    motions[robot] = Motion(max(begins, 0.0), poses[0], interval, _inputs(poses, interval))
 
 
 def _inputs(poses: FloatArray, interval: float) -> FloatArray:
@@ -205,7 +202,6 @@ def _link(known: _Known, robot: int, fields: Fields, stamp: float) -> None:
         link=LinkId(upstream(robot, n, known.away), robot),
         age=age,
         plan=known.plans.get(robot),
-        held=None,
         counts=LinkCounts(sent, delivered, lost, late, corrupt),
         solve=solve,
         missed=0,

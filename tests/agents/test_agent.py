@@ -53,9 +53,9 @@ def answers(one: Agent, pose: FloatArray, ticks: range) -> list[Answer]:
     return [at_tick(one, k, k * TICK, pose) for k in ticks]
 
 
-def believed(one: Agent, k: int) -> int:
-    """Number of the plan that it goes by at tick k; -1 for none."""
-    held = one.status(k, k * TICK).held
+def believed(one: Agent) -> int:
+    """Number of the plan that it goes by; -1 for none."""
+    held = one._receivers[0].belief.plan
     return -1 if held is None else held.seq
 
 
@@ -70,7 +70,7 @@ def test_a_plan_of_the_upstream_neighbour_is_believed() -> None:
     one.receive(plan(0))
     command = at_tick(one, 1, TICK, POSE).command
     assert command.age == pytest.approx(TICK)
-    assert believed(one, 1) == 0
+    assert believed(one) == 0
     assert one.counts().sent == one.counts().delivered == 1
 
 
@@ -84,7 +84,7 @@ def test_a_plan_of_another_epoch_or_sender_is_ignored(stranger: Any) -> None:
     one.receive(stranger)
     got, expected = at_tick(one, 1, TICK, POSE), at_tick(alone, 1, TICK, POSE)
     assert one.counts().sent == 0
-    assert believed(one, 1) == -1
+    assert believed(one) == -1
     assert (got.command.v, got.command.omega) == (expected.command.v, expected.command.omega)
     assert got.command.age == pytest.approx(TICK)  # since the start of the episode
 
@@ -115,11 +115,11 @@ def test_an_older_plan_that_arrives_later_is_counted_late_and_not_used() -> None
     one.set_faults({})
     one.receive(plan(10))
     at_tick(one, 11, 0.11, POSE)
-    assert believed(one, 11) == 10
+    assert believed(one) == 10
     command = at_tick(one, 60, 0.60, POSE).command
     assert one.counts().late == 1
     assert one.counts().delivered == 2
-    assert believed(one, 60) == 10
+    assert believed(one) == 10
     assert command.age == pytest.approx(0.5)
 
 
@@ -132,7 +132,7 @@ def test_a_damaged_plan_is_counted_and_not_used() -> None:
         assert answer.command.v == alone_answer.command.v
     c = one.counts()
     assert (c.sent, c.delivered, c.corrupt) == (5, 5, 5)
-    assert believed(one, 4) == -1
+    assert believed(one) == -1
 
 
 def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
@@ -141,9 +141,9 @@ def test_a_plan_that_is_late_is_not_used_before_it_has_arrived() -> None:
     one.receive(plan(0))
     for k in range(5):
         assert at_tick(one, k, k * TICK, POSE).command.v == at_tick(alone, k, k * TICK, POSE).command.v
-        assert believed(one, k) == -1
+        assert believed(one) == -1
     command = at_tick(one, 5, 0.05, POSE).command
-    assert believed(one, 5) == 0
+    assert believed(one) == 0
     assert command.age == pytest.approx(0.05)
 
 
@@ -215,13 +215,17 @@ def test_who_starts_between_two_planning_ticks_plans_at_once() -> None:
 def test_a_status_tells_link_age_and_counts_and_goes_over_the_wire() -> None:
     one = agent()
     one.receive(plan(0))
-    at_tick(one, 3, 0.03, POSE)
+    sent = at_tick(one, 3, 0.03, POSE).plan
+    assert sent is not None
     said = one.status(3, 0.03, missed=4, rejected=5, pid=6)
     assert (said.sender, said.link) == (1, LinkId(2, 1))
-    assert said.held is not None
-    assert (said.held.sender, said.held.seq) == (2, 0)
+    answered = one.observation
+    assert answered is not None
+    assert said.believes is not None
+    np.testing.assert_array_equal(said.believes.inputs, answered.upstream.inputs)
     assert said.plan is not None
-    assert (said.plan.sender, said.plan.seq) == (1, 3)
+    assert said.plan.begins == 0.03
+    assert said.plan_bytes == len(encode(sent))
     assert said.age == pytest.approx(0.03)
     assert (said.missed, said.rejected, said.pid) == (4, 5, 6)
     assert said.solve > 0.0

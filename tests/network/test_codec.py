@@ -36,7 +36,7 @@ ANY_MESSAGE = st.one_of(*BY_KIND.values())
 PLAN = builders.plan(2, 17, 3, inputs=np.arange(40.0).reshape(20, 2))
 TICK = builders.tick(17, np.arange(9.0).reshape(3, 3), episode=3, revision=1, planned=[1, 2, 3])
 COMMAND = builders.command(1, 17)
-STATUS = builders.status(1, 2, held=PLAN)
+STATUS = builders.status(1, 2, plan=builders.motion())
 
 
 def same(a: Any, b: Any) -> bool:
@@ -256,9 +256,8 @@ def numbers(*values: float) -> bytes:
         (PLAN, "inputs", b"\x00" * 15),
         (PLAN, "inputs", None),
         (STATUS, "plan", 3),
-        (STATUS, "held", PLAN.seq),
-        (STATUS, "held", {"sender": 2}),
-        (STATUS, "held", body_of(PLAN)),  # a message in a message is its fields, without type and version
+        (STATUS, "believes", {"begins": 1.0}),
+        (STATUS, "believes", body_of(PLAN)),
         (TICK, "poses", numbers(0.0, 0.0)),
         (TICK, "poses", numbers(0.0, 0.0, float("-inf"))),
         (TICK, "planned", [MAX_ROBOTS + 1]),

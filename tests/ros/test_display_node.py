@@ -8,7 +8,7 @@ from formation.scenario.files import load
 from network.messages import State
 from records.definitions import full_name, schema
 from ros.display.node import MARKER_SECONDS, PATH_SECONDS, POSE_SECONDS, DisplayNode
-from tests.builders import command, plan, state, status
+from tests.builders import command, motion, state, status
 from tests.exceptions import needs
 from tests.records.reflection import decode
 
@@ -24,7 +24,7 @@ def shown(node: DisplayNode, now: float = 10.0) -> dict[str, Any]:
 def whole(real: tuple[int, ...] = (), **changes: Any) -> DisplayNode:
     node = DisplayNode(real)
     node.take(state(poses=POSES, slots=POSES + 0.25, **changes))
-    node.take(status(2, 1, plan=plan(2, 100), held=plan(1, 99), age=0.5))
+    node.take(status(2, 1, plan=motion(100), believes=motion(99), age=0.5))
     node.take(command(2, 100, v=0.25, omega=-0.5))
     node.use(load("triangle-circle"))
     return node

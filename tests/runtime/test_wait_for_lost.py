@@ -43,11 +43,11 @@ def test_a_lost_robot_that_nobody_waits_for_declares_no_need() -> None:
     simulation = Simulation(lost(False, 8.0))
     while simulation.world.now < 7.5:
         simulation.step()
-    said = simulation.agents[2].status(750, 7.5)
-    assert said.lost
-    assert said.plan is not None
-    assert not said.plan.waits
-    assert said.plan.news[:, 1].max(initial=0.0) == 0.0
+    plan = simulation.agents[2]._sending.last
+    assert plan is not None
+    assert plan.lost
+    assert not plan.waits
+    assert plan.news[:, 1].max(initial=0.0) == 0.0
 
 
 def test_waiting_for_the_lost_is_alike_in_both_engines() -> None:

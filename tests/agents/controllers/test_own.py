@@ -146,9 +146,10 @@ def test_a_failure_stops_its_robot_with_an_event_and_the_run_goes_on(mistake: st
     assert (event.stamp, event.severity) == (0.2, "error")
     begins = "robot 2 stands still and publishes no plan until a reset: HoldSlot: "
     assert re.match(begins + FAILURES[mistake], event.text), event.text
-    held = simulation.agents[3].status(100, 1.0).held
+    held = simulation.agents[3].observation
     assert held is not None
-    assert held.seq == 19
+    assert held.upstream.plan is not None
+    assert held.upstream.plan.seq == 19
 
 
 def test_a_failure_stops_the_same_robot_at_the_same_tick_on_a_bus_and_a_reset_lets_it_begin_again(

@@ -14,8 +14,8 @@ from dashboard.telemetry.links import ring_links
 from dashboard.telemetry.origin import HERE
 from dashboard.telemetry.tape import Place
 from formation.scenario.files import load
-from network.values import Believed, LinkCounts
-from tests.builders import plan, state, status
+from network.values import LinkCounts
+from tests.builders import motion, state, status
 
 
 def filled(feed: Feed, robots: int, seconds: float) -> None:
@@ -25,9 +25,9 @@ def filled(feed: Feed, robots: int, seconds: float) -> None:
         stamp = 0.1 * tick
         late = stamp >= 100.0
         counts = LinkCounts(sent=tick, delivered=tick, lost=max(0, (tick - 1000) // 2), in_flight=3)
-        held = Believed(stamp, np.zeros(3), np.zeros((20, 2)))
+        held = motion(begins=stamp)
         age = 0.4 if late else 0.02
-        message = status(2, 1, stamp=stamp, age=age, counts=counts, plan=plan(2, 1), believes=held)
+        message = status(2, 1, stamp=stamp, age=age, counts=counts, plan=motion(), believes=held)
         belief = BeliefView(2, 1, np.zeros(3), np.zeros((21, 2)), np.array([0.03, 0.04]))
         feed.tape.add(state(robots, stamp=stamp), scenario, {2: message}, [belief], None, HERE)
 

@@ -1,20 +1,17 @@
 """Laws of the robot table."""
 
-import dataclasses
-
 from dashboard.page import Page
 from dashboard.panels.robot_table import robot_table
 from dashboard.panels.run_summary import condition
 from network import topics
 from network.bus import Sample
 from network.codec import encode
-from tests.builders import plan, state, status
+from tests.builders import state, status
 from tests.dashboard.fakes import receive
 
 
 def test_a_robot_that_waits_is_shown_with_its_lag(page: Page) -> None:
-    behind = dataclasses.replace(plan(2, 99), lag=1.26)
-    for message in (status(1, 3, plan=plan(1, 99)), status(2, 1, plan=behind)):
+    for message in (status(1, 3), status(2, 1, lag=1.26)):
         page._feed.source._waiting.put(Sample(topics.status("x", message.sender), encode(message)))  # type: ignore[attr-defined]
     snapshot, links, *_ = page._feed.now()
     assert "1.3 s behind the clock" in condition(snapshot).note

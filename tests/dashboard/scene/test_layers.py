@@ -8,16 +8,13 @@ from dashboard.telemetry.beliefs import BeliefView
 from dashboard.telemetry.links import ring_links
 from formation.faults import Fault
 from formation.link_ids import LinkId
-from tests.builders import plan, state, status
+from tests.builders import motion, state, status
 
 
-def test_of_plans_those_of_the_robot_and_of_the_episode_are_drawn() -> None:
-    message = {
-        1: status(1, 3, plan=plan(1, 99)),
-        2: status(2, 1, plan=plan(3, 99)),
-        3: status(3, 2, plan=plan(3, 9, 1)),
-    }
-    assert [None if p is None else p.sender for p in own_plans(message, 3, 0)] == [1, None, None]
+def test_of_plans_those_of_the_episode_are_drawn() -> None:
+    drawn = motion()
+    message = {1: status(1, 3, plan=drawn), 3: status(3, 2, plan=motion(), episode=1)}
+    assert own_plans(message, 3, 0) == [drawn, None, None]
 
 
 def test_a_belief_is_drawn_at_the_robot_that_it_is_about_and_dashes_lead_there_if_it_is_far_off() -> None:
@@ -67,8 +64,8 @@ def test_the_ring_is_drawn_closed_over_a_robot_that_is_away() -> None:
 
 @pytest.mark.parametrize("elapsed", [0.0, 0.25, 1.0, 5.0])
 def test_of_an_older_plan_the_rest_is_drawn_from_where_the_robot_is(elapsed: float) -> None:
-    poses, message = np.array([[3.0, 4.0, 0.5]]), plan(1, 100)
-    ahead = horizons([message], poses, 20, message.stamp + elapsed)[0]
+    poses, drawn = np.array([[3.0, 4.0, 0.5]]), motion()
+    ahead = horizons([drawn], poses, 20, drawn.begins + elapsed)[0]
     left = max(0, 20 - int(elapsed / 0.1))
     np.testing.assert_allclose(ahead[0], [3.0, 4.0])
     np.testing.assert_allclose(np.hypot(*np.diff(ahead, axis=0).T) > 1e-9, np.arange(20) < left)

@@ -5,8 +5,7 @@ import pytest
 
 from dashboard.telemetry.beliefs import beliefs
 from formation.unicycle import step
-from network.values import Believed
-from tests.builders import state, status
+from tests.builders import motion, state, status
 
 INPUTS = np.column_stack([np.linspace(0.1, 0.3, 20), np.linspace(-1.0, 1.0, 20)])
 
@@ -24,7 +23,7 @@ def at(seconds: float) -> tuple[float, float, float]:
 @pytest.mark.parametrize("elapsed", [-0.05, 0.0, 0.03, 0.55, 2.5])
 def test_a_belief_is_carried_to_the_moment_and_its_error_is_the_distance_to_the_truth(elapsed: float) -> None:
     poses = np.array([[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 0.0]])
-    held = Believed(begins=3.0, pose=np.zeros(3), inputs=INPUTS)
+    held = motion(begins=3.0, pose=np.zeros(3), inputs=INPUTS)
     now = state(poses=poses)
     (found,) = beliefs(now, {2: status(2, 1, believes=held)}, poses, 3.0 + elapsed, 0.1)
     assert (found.receiver, found.sender) == (2, 1)
@@ -34,5 +33,5 @@ def test_a_belief_is_carried_to_the_moment_and_its_error_is_the_distance_to_the_
 
 
 def test_of_another_episode_nothing_is_believed() -> None:
-    held = Believed(begins=0.0, pose=np.zeros(3), inputs=INPUTS)
+    held = motion(begins=0.0, pose=np.zeros(3), inputs=INPUTS)
     assert beliefs(state(episode=1), {2: status(2, 1, believes=held)}, np.zeros((3, 3)), 0.0, 0.1) == []

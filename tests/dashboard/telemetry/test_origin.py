@@ -15,8 +15,8 @@ from dashboard.telemetry.snapshot import Snapshot
 from formation.arrays import FloatArray
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
-from network.values import Believed, Driving
-from tests.builders import plan, state, status
+from network.values import Driving
+from tests.builders import motion, state, status
 
 FAR = np.array([691230.0, 5334560.0])
 CORNERS = np.array([[3.0, 0.0], [0.0, 3.0], [-3.0, 0.0], [0.0, -3.0]])
@@ -31,7 +31,7 @@ def scenario(offset: FloatArray) -> Scenario:
 def snapshot(offset: FloatArray, planned: Scenario) -> Snapshot:
     moved = POSES + np.append(offset, 0.0)
     way = np.array([[1.0, 1.0, *offset, 0.1, 1.0], [2.0, 1.1, *(offset + 0.5), 0.2, 1.0]])
-    message = status(2, 1, plan=plan(2, 5, pose=moved[1], way=way), believes=Believed(1.0, moved[0], np.ones((20, 2))))
+    message = status(2, 1, plan=motion(pose=moved[1]), way=way, believes=motion(pose=moved[0]))
     goal = Driving(goal=(float(offset[0]), float(offset[1])))
     now = state(poses=moved, slots=moved, centre=moved[0], driving=goal)
     return Snapshot(now, planned, {2: message}, moved, 1.0, (), world_alive=True, connected=True)
@@ -52,7 +52,7 @@ def test_far_away_is_drawn_as_near_by() -> None:
     one, other = here.statuses[2], there.statuses[2]
     for a, b in ((one.plan, other.plan), (one.believes, other.believes)):
         np.testing.assert_allclose(b.pose, a.pose, atol=1e-8)  # type: ignore[union-attr]
-    np.testing.assert_allclose(other.plan.way, one.plan.way, atol=1e-8)  # type: ignore[union-attr]
+    np.testing.assert_allclose(other.way, one.way, atol=1e-8)
 
 
 def test_near_the_origin_nothing_is_moved() -> None:

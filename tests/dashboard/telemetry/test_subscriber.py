@@ -13,7 +13,7 @@ from network import topics
 from network.bus import Sample
 from network.codec import encode, seal
 from network.memory_bus import KeptInMemory
-from tests.builders import plan, state, status
+from tests.builders import motion, state, status
 from tests.dashboard.fakes import bus, receive
 
 
@@ -51,7 +51,7 @@ def test_faults_of_a_state_are_numbers_also_if_they_came_as_texts() -> None:
 def test_an_invalid_status_is_counted_and_dropped() -> None:
     session = bus()
     telemetry = TelemetrySubscriber(session)
-    good = status(1, 3, plan=plan(1, 5))
+    good = status(1, 3, plan=motion(5))
     for sender, payload in (
         (1, encode(good)),
         (1, b"garbage"),
@@ -62,7 +62,7 @@ def test_an_invalid_status_is_counted_and_dropped() -> None:
     message = telemetry.snapshot().statuses
     assert list(message) == [1]
     assert message[1].plan is not None
-    assert message[1].plan.seq == 5
+    assert message[1].plan.begins == 0.05
     assert telemetry._rejects.count == 3
 
 

@@ -14,8 +14,8 @@ from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.scenario.files import load
 from network.messages import State, Status
-from network.values import Believed, Event, LinkCounts, Pushed
-from tests.builders import plan, state, status
+from network.values import Event, LinkCounts, Motion, Pushed
+from tests.builders import motion, state, status
 
 SCENARIO = load("triangle-circle")
 
@@ -30,12 +30,11 @@ def at(stamp: float, **changes: Any) -> State:
 def told(stamp: float, episode: int = 0) -> Status:
     """Of robot 2, with everything that is drawn."""
     way = np.array([[1.0, 1.0, stamp, 0.5, 0.1, 1.0]])
-    own = plan(2, 1, stamp=stamp, episode=episode, pose=np.array([stamp, 1.0, 0.2]), way=way)
-    believes = Believed(stamp + 0.05, np.array([stamp, 0.1, 0.3]), np.full((20, 2), 0.25))
+    own = motion(begins=stamp, pose=np.array([stamp, 1.0, 0.2]))
+    believes = Motion(stamp + 0.05, np.array([stamp, 0.1, 0.3]), 0.1, np.full((20, 2), 0.25))
+    told_way = {"way": way, "way_age": 3.0, "lost": True, "lag": 0.5}
     counts = LinkCounts(sent=9, delivered=7, lost=2)
-    return status(
-        2, 1, stamp=stamp, episode=episode, age=0.02, plan=own, believes=believes, counts=counts, way_age=3.0, lost=True
-    )
+    return status(2, 1, stamp=stamp, episode=episode, age=0.02, plan=own, believes=believes, counts=counts, **told_way)
 
 
 def recorded(tape: Tape, seconds: float, *, interval: float = 0.05, episode: int = 0, **changes: Any) -> None:
@@ -70,7 +69,8 @@ def test_a_moment_is_shown_again_as_it_was() -> None:
     assert was.plan is not None
     assert found.plan.begins == pytest.approx(was.plan.begins, abs=1e-4)
     np.testing.assert_allclose(found.plan.inputs, was.plan.inputs, rtol=1e-3)
-    np.testing.assert_allclose(found.plan.way[-1, 2:4], [3.0, 0.5], atol=1e-5)
+    np.testing.assert_allclose(found.way[-1, 2:4], [3.0, 0.5], atol=1e-5)
+    assert found.lag == 0.5
     np.testing.assert_allclose(found.believes.pose, [3.0, 0.1, 0.3], atol=1e-5)
     np.testing.assert_allclose(found.believes.inputs, 0.25)
 

@@ -80,10 +80,12 @@ class Cameras:
         self._lock = threading.RLock()
         self._pages: dict[int, _PageCamera] = {}
         self._scenario: Scenario | None = None
+        self._diameter = 0.2
+        """Of the formation as it should be, with the bodies [m]."""
         self._points: FloatArray = np.zeros((1, 2))
         """Where the robots are [m]."""
-        self._playing: FloatArray = np.zeros((1, 2))
-        """Where those are that have an agent; all, if none has [m]."""
+        self._middle, self._spread = np.zeros(2), 0.0
+        """Of those that have an agent; of all, if none has [m]."""
         self._set_home(np.zeros(3), 3.0)
         server.on_client_connect(self._connected)
         server.on_client_disconnect(self._gone)
@@ -145,9 +147,12 @@ class Cameras:
         with self._lock:
             self._points = poses[:, :2]
             rows = [robot - 1 for robot in live if robot <= len(poses)]
-            self._playing = self._points[rows] if rows else self._points
+            playing = self._points[rows] if rows and len(rows) < len(poses) else self._points
+            low, high = playing.min(axis=0), playing.max(axis=0)
+            self._middle, self._spread = (low + high) / 2.0, math.hypot(*(high - low).tolist())
             if scenario is not self._scenario:
                 known, self._scenario = self._scenario, scenario
+                self._diameter = _diameter(scenario)
                 if known is None or known.path != scenario.path or known.size != scenario.size:
                     self._begin()
             now = monotonic()
@@ -162,7 +167,7 @@ class Cameras:
                         self._move(page, look_at, page.offset)
 
     def _begin(self) -> None:
-        self._set_home(np.append(self._centre(0), 0.0), FOLLOWED * self._diameter())
+        self._set_home(np.append(self._centre(0), 0.0), FOLLOWED * self._diameter)
         for page in self._pages.values():
             self._follow(page, 0)
 
@@ -215,19 +220,11 @@ class Cameras:
         """(2,) of a robot, or of the robots that have an agent (0) [m]."""
         if 0 < target <= len(self._points):
             return np.asarray(self._points[target - 1])
-        return np.asarray((self._playing.min(axis=0) + self._playing.max(axis=0)) / 2.0)
-
-    def _diameter(self) -> float:
-        """Of the formation as it should be, with the bodies [m]."""
-        if self._scenario is None:
-            return 0.2
-        reach = float(np.hypot(*self._scenario.formation.array.T).max())
-        return 2.0 * reach + BODY * float(self._scenario.pattern.distance.min())
+        return self._middle
 
     def _follow_height(self, page: _PageCamera) -> float:
         """Of the view of a page that follows the formation or a robot [m]."""
-        spread = np.hypot(*(self._playing.max(axis=0) - self._playing.min(axis=0)))
-        height = max(FOLLOWED * self._diameter(), APART * float(spread) if not page.target else 0.0)
+        height = max(FOLLOWED * self._diameter, APART * self._spread if not page.target else 0.0)
         return height / min(1.0, page.client.camera.aspect)
 
     # ------------------------------------------------------------------ pages come and go
@@ -250,6 +247,12 @@ class Cameras:
     def _gone(self, client: viser.ClientHandle) -> None:
         with self._lock:
             self._pages.pop(client.client_id, None)
+
+
+def _diameter(scenario: Scenario) -> float:
+    """Of the formation as it should be, with the bodies [m]."""
+    reach = float(np.hypot(*scenario.formation.array.T).max())
+    return 2.0 * reach + BODY * float(scenario.pattern.distance.min())
 
 
 def _distance(height: float) -> float:

@@ -20,6 +20,7 @@ from viser.infra import _infra
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
+from dashboard.serving import shortcuts
 from dashboard.serving.access import Guard
 from dashboard.serving.admission import answer as answer_to
 from dashboard.serving.admission import too_many
@@ -51,6 +52,7 @@ def serve(guard: Guard, port: int, label: str) -> viser.ViserServer:
 
     _GATES[taken] = gate
     open_once()
+    shortcuts.take()
     _infra._message_consumer = _consume  # type: ignore[assignment]  # viser looks the name up for every page
     with _replaced(websockets.asyncio.server, "serve", guarded), quiet():
         os.environ.pop("_VISER_PORT_OVERRIDE", None)

@@ -1,7 +1,8 @@
 """A run's processes without their work: messages of the same sizes, in the same order, through the same router.
 
 They bound what lockstep can reach on a machine (benchmarks/ceiling.py). Python handles bytes only: nothing is decoded,
-checked, solved or encoded. python -m benchmarks.bare ROLE ... is one of the processes.
+checked, solved or encoded. Where work is given, each process is busy for so long at each tick, which bounds what a run
+can reach that loses nothing else. python -m benchmarks.bare ROLE ... is one of the processes.
 """
 
 import json
@@ -33,6 +34,16 @@ PATIENCE = 1.0
 Process = subprocess.Popen[str]
 
 
+class Work(NamedTuple):
+    """Processor time of a tick [s]."""
+
+    agent: float = 0.0
+    world: float = 0.0
+
+
+NO_WORK = Work()
+
+
 class BareBus(ZenohBus):
     """The product's connection, for payloads as they are."""
 
@@ -49,8 +60,8 @@ def bare_router(endpoint: str) -> None:
     router.close()
 
 
-def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int]) -> None:
-    """Answer each tick once its neighbour's plan of the tick before is there, as agents do."""
+def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int], work: float) -> None:
+    """Answer each tick once its neighbour's plan of the tick before is there, as agents do, and it has worked [s]."""
     with BareBus(endpoint, RUN) as bus:
         own, heard = topics.plan(RUN, robot), topics.plan(RUN, upstream(robot, robots))
         command, status = topics.command(RUN, robot), topics.status(RUN, robot)
@@ -75,9 +86,17 @@ def bare_agent(endpoint: str, robot: int, robots: int, sizes: dict[str, int]) ->
                     heard_of = max(heard_of, _number(item.payload))
             if answered < newest and heard_of >= answered:
                 answered = newest
+                _be_busy(work)
                 answer(answered)
                 if answered % STATUS_EVERY == 0:
                     bus.send(status, bytes(sizes["Status"]))
+
+
+def _be_busy(seconds: float) -> None:
+    """Use so much processor time."""
+    until = time.thread_time() + seconds
+    while seconds and time.thread_time() < until:
+        pass
 
 
 def _numbered(number: int, size: int) -> bytes:
@@ -88,10 +107,11 @@ def _number(payload: bytes) -> int:
     return int.from_bytes(payload[:8])
 
 
-def bare_world(endpoint: str, robots: int, seconds: float, interval: float, sizes: dict[str, int]) -> None:
+def bare_world(endpoint: str, robots: int, seconds: float, interval: float, sizes: dict[str, int], work: float) -> None:
     """Send ticks, and print how many a second, and which share of the commands was missing at the next one.
 
-    Each tick goes out once all have answered the last one, or with an interval [s] when its time has come.
+    Each tick goes out once all have answered the last one, or with an interval [s] when its time has come, after the
+    world has worked [s].
     """
     with BareBus(endpoint, RUN) as bus:
         tick, state = topics.tick(RUN), topics.state(RUN)
@@ -105,6 +125,7 @@ def bare_world(endpoint: str, robots: int, seconds: float, interval: float, size
         done, shown, missing, began = 0, 0.0, 0, time.perf_counter()
         while (now := time.perf_counter()) < began + seconds:
             left, due = set(commands), began + (done + 1) * interval
+            _be_busy(work)
             while left:
                 bus.send(tick, _numbered(done + 1, sizes["Tick"]))
                 until = due if interval else time.perf_counter() + PATIENCE
@@ -162,15 +183,17 @@ class Bare(NamedTuple):
     """Processor time of an agent, as a share of a core."""
 
 
-def measure(robots: int, seconds: float, sizes: dict[str, int], interval: float = 0.0) -> Bare:
+def measure(robots: int, seconds: float, sizes: dict[str, int], interval: float = 0.0, work: Work = NO_WORK) -> Bare:
     """A run of so long; sizes of the messages by type [bytes]; with an interval between ticks [s], or in lockstep."""
     told = json.dumps(sizes)
     with tempfile.TemporaryDirectory(prefix="ech") as folder, ExitStack() as stack:
         endpoint = f"unixsock-stream/{folder}/r"
         router = stack.enter_context(_started("router", endpoint))
-        world = stack.enter_context(_started("world", endpoint, str(robots), str(seconds), str(interval), told))
+        world = stack.enter_context(
+            _started("world", endpoint, str(robots), str(seconds), str(interval), told, str(work.world))
+        )
         agents = [
-            stack.enter_context(_started("agent", endpoint, str(robot), str(robots), told))
+            stack.enter_context(_started("agent", endpoint, str(robot), str(robots), told, str(work.agent)))
             for robot in range(1, robots + 1)
         ]
         everybody = [router, world, *agents]
@@ -191,9 +214,9 @@ def main(role: str, endpoint: str, *words: str) -> None:
     if role == "router":
         bare_router(endpoint)
     elif role == "agent":
-        bare_agent(endpoint, int(words[0]), int(words[1]), json.loads(words[2]))
+        bare_agent(endpoint, int(words[0]), int(words[1]), json.loads(words[2]), float(words[3]))
     else:
-        bare_world(endpoint, int(words[0]), float(words[1]), float(words[2]), json.loads(words[3]))
+        bare_world(endpoint, int(words[0]), float(words[1]), float(words[2]), json.loads(words[3]), float(words[4]))
 
 
 if __name__ == "__main__":

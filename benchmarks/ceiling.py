@@ -2,11 +2,12 @@
 
 python -m benchmarks.ceiling [--robots 3,8,16] [--rounds 3] [--seconds 4] [--lockstep] [--json FILE]
 
-Bare: the same processes without their work (benchmarks/bare.py). Each round measures both, by turns. Then the steps of
-a tick are timed one by one on the messages of a simulation, beside the processor time that all processes took: what is
-left of that is waking up, queues and Zenoh. Then, but for --lockstep, missed ticks, processor time and memory in real
-time, and ticks a second in one process (benchmarks/paced.py): under six minutes in all. The clock decides, so the
-machine should have nothing else to do; the ratio of a round bears some load.
+Bare: the same processes without their work (benchmarks/bare.py). The steps of a tick are timed one by one on the
+messages of a simulation; bare processes that are busy for as long at each tick show what a run could reach that lost
+nothing else. Each round measures all three, by turns. Beside the steps stands the processor time that all processes
+took: what is left of that is waking up, queues, Zenoh, and cold caches. Then, but for --lockstep, missed ticks,
+processor time and memory in real time, and ticks a second in one process (benchmarks/paced.py): some eight minutes in
+all. The clock decides, so the machine should have nothing else to do; the ratio of a round bears some load.
 """
 
 import argparse
@@ -16,7 +17,7 @@ import os
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain
@@ -36,6 +37,7 @@ from runtime.precompile import ensure_compiled
 
 GOAL = 0.7
 """The share of the bare rate that lockstep should reach."""
+AGENT, WORLD = "solve and everything else of an agent", "move the bodies and measure"
 SUBREAPER = 36
 """Of prctl: who is orphaned below this process becomes its child, and its processor time is counted."""
 WARM_TICKS, PART_TICKS = 200, 300
@@ -49,7 +51,11 @@ class Figure:
     robots: int
     bare: float
     """Median rate [ticks/s]."""
+    busy: float
+    """The same of bare processes that are busy for as long as the steps take."""
     real: float
+    of_busy: float
+    """Median over the rounds of real / busy."""
     ratio: float
     """Median over the rounds of real / bare."""
     low: float
@@ -108,9 +114,16 @@ def steps(robots: int) -> tuple[dict[str, int], dict[str, float]]:
     for _ in range(PART_TICKS):
         simulation.step()
     whole = 1e6 * (time.process_time() - began) / PART_TICKS
-    found["solve and everything else of an agent"] = solving = _agent_steps(simulation)
-    found["move the bodies and measure"] = whole - robots * solving
+    found[AGENT] = solving = _agent_steps(simulation)
+    found[WORLD] = whole - robots * solving
     return sizes, found
+
+
+def work_of(parts: dict[str, float], robots: int) -> bare.Work:
+    """Processor time of a tick, by the steps that an agent and the world take at each."""
+    agent = ("unpack Tick", "check Tick", "unpack Plan", "check Plan", AGENT, "encode Plan", "encode Command")
+    answers = robots * (parts["unpack Command"] + parts["check Command"])
+    return bare.Work(1e-6 * sum(parts[name] for name in agent), 1e-6 * (parts["encode Tick"] + answers + parts[WORLD]))
 
 
 def _agent_steps(simulation: Simulation) -> float:
@@ -166,7 +179,7 @@ def main() -> None:
         figures.append(_figure(checkout, robots, options.rounds, options.seconds))
         _show(figures[-1])
     rows = []
-    for row in () if options.lockstep else chain(in_process_rows(checkout), paced_rows(options.seconds, steps(16)[0])):
+    for row in () if options.lockstep else chain(in_process_rows(checkout), _paced(options.seconds)):
         rows.append(row)
         print(shown(row), flush=True)
     if options.json:
@@ -184,28 +197,39 @@ def main() -> None:
         options.json.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
 
+def _paced(seconds: float) -> Iterator[dict[str, Any]]:
+    sizes, parts = steps(16)
+    yield from paced_rows(seconds, sizes, partial(work_of, parts))
+
+
 def _figure(checkout: Checkout, robots: int, rounds: int, seconds: float) -> Figure:
     sizes, parts = steps(robots)
-    bares, reals, rate = [], [], 200.0
+    bares, busies, reals, rate = list[bare.Bare](), list[bare.Bare](), list[tuple[float, float]](), 200.0
+    measures: list[Callable[[], None]] = [
+        lambda: bares.append(bare.measure(robots, seconds, sizes)),
+        lambda: busies.append(bare.measure(robots, seconds, sizes, work=work_of(parts, robots))),
+        lambda: reals.append(measure_real(checkout, robots, seconds, rate)),
+    ]
     for done in range(rounds):
-        if done % 2 == 0:
-            bares.append(bare.measure(robots, seconds, sizes))
-        reals.append(measure_real(checkout, robots, seconds, rate))
-        if done % 2:
-            bares.append(bare.measure(robots, seconds, sizes))
+        for one in measures[:: 1 if done % 2 == 0 else -1]:
+            one()
         rate = reals[-1][0]
     ratios = [real[0] / bound.rate for real, bound in zip(reals, bares, strict=True)]
+    of_busy = statistics.median(real[0] / bound.rate for real, bound in zip(reals, busies, strict=True))
+    busy = statistics.median(found.rate for found in busies)
     (bare_rate, bare_us), (real_rate, real_us) = (
         map(statistics.median, zip(*side, strict=True)) for side in ([found[:2] for found in bares], reals)
     )
     middle = statistics.median(ratios)
-    return Figure(robots, bare_rate, real_rate, middle, min(ratios), max(ratios), bare_us, real_us, parts)
+    spread = min(ratios), max(ratios)
+    return Figure(robots, bare_rate, busy, real_rate, of_busy, middle, *spread, bare_us, real_us, parts)
 
 
 def _show(f: Figure) -> None:
     print(
         f"{f.robots:3d} robots: lockstep {f.real:.0f} ticks/s, bare {f.bare:.0f}: {f.ratio:.0%} of it "
         f"({f.low:.0%} to {f.high:.0%}; goal {GOAL:.0%})\n"
+        f"    busy for the steps below, bare ones reach {f.busy:.0f} ticks/s: {f.of_busy:.0%} of that\n"
         f"    processor time of a tick, all processes: {f.real_us:.0f} us, bare {f.bare_us:.0f} us; its steps:"
     )
     for name, cost in f.steps_us.items():

@@ -3,7 +3,7 @@
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from benchmarks import bare
@@ -16,12 +16,18 @@ IN_PROCESS = {3: ("triangle-circle", 10.0), 8: ("ring-16", 5.0), 16: ("ring-16",
 """Scenario and simulated time [s] by the number of robots."""
 
 
-def paced_rows(seconds: float, sizes: dict[str, int]) -> Iterator[dict[str, Any]]:
-    """In real time at 100 Hz, each row measured for so long [s]; sizes of a bare run's messages [bytes]."""
-    found = bare.measure(ALONE[-1], seconds, sizes, TICK)
-    yield {"robots": ALONE[-1], "how": "bare", "missed": found.missed, "cpu_agent": found.agent}
-    found = bare.measure(ALONE[1], seconds, sizes, TICK)
-    yield {"robots": ALONE[1], "how": "bare", "missed": found.missed, "cpu_agent": found.agent}
+def paced_rows(seconds: float, sizes: dict[str, int], work: Callable[[int], bare.Work]) -> Iterator[dict[str, Any]]:
+    """In real time at 100 Hz, each row measured for so long [s].
+
+    Args:
+        seconds: of each.
+        sizes: of a bare run's messages [bytes].
+        work: of a tick, by the number of robots.
+    """
+    for robots, busy in ((ALONE[-1], False), (ALONE[1], False), *((robots, True) for robots in ALONE)):
+        found = bare.measure(robots, seconds, sizes, TICK, work(robots) if busy else bare.NO_WORK)
+        how = "bare, busy for the steps of a tick" if busy else "bare"
+        yield {"robots": robots, "how": how, "missed": found.missed, "cpu_agent": found.agent}
     for robots in (*ALONE, TOGETHER):
         more = () if robots == TOGETHER else ("--together", "1")
         with tempfile.TemporaryDirectory(prefix="ech") as folder:

@@ -34,7 +34,11 @@ from tests.browser.driven import READY, frames
 SCENARIO = "ring-16"
 WARM_UP_SECONDS = 60.0
 """Caches fill, plots reach their length."""
+FULL_SECONDS = 720.0
+"""After that the time line is full, and memory should not grow any more."""
 SAMPLES = 20
+LEAST_SAMPLES = 4
+"""For growth after that."""
 FRAME_SECONDS = 10.0
 
 
@@ -77,11 +81,12 @@ def _print(figures: dict[str, Any]) -> None:
         f"dashboard: {figures['cpu_percent']:.1f} % of a core (processor time), "
         f"while the run went at {figures['pace']:.2f} x real time"
     )
+    since = "once the time line was full" if figures["full"] else "while the time line filled"
     for name, text in (("rss", "dashboard's RSS"), ("pss", "dashboard's PSS"), ("heap", "page's heap after GC")):
         first, last, growth = (figures[f"{name}_{part}"] for part in ("first_mb", "last_mb", "growth_mb"))
         slope = figures[f"{name}_slope_mb_per_hour"]
         print(
-            f"{text}: {first:.1f} MB, at the end {last:.1f} MB; medians of the halves {growth:+.2f} MB apart; "
+            f"{text}: {first:.1f} MB, at the end {last:.1f} MB; {since}: medians of the halves {growth:+.2f} MB apart, "
             f"slope {slope:+.1f} MB/h"
         )
     print(
@@ -91,6 +96,7 @@ def _print(figures: dict[str, Any]) -> None:
 
 
 def _measure(page: Page, run: BrowserRun, minutes: float) -> dict[str, Any]:
+    opened = time.monotonic()
     page.goto(f"{run.url}/?fixedDpr=1")
     page.wait_for_function(READY, timeout=120_000, polling=200)
     page.wait_for_timeout(1e3 * min(WARM_UP_SECONDS, 20.0 * minutes))
@@ -108,9 +114,12 @@ def _measure(page: Page, run: BrowserRun, minutes: float) -> dict[str, Any]:
     figures["frames_drawn_per_s"] = (frames(page) - drawn) / seconds
     figures["frames_sent_per_s"] = _sent(run.url)
     table = np.array(rows)
+    full = table[table[:, 0] >= opened + FULL_SECONDS]
+    figures["full"] = len(full) >= LEAST_SAMPLES
+    settled = full if figures["full"] else table
     for column, name in enumerate(("rss", "pss", "heap"), start=1):
-        halves = np.array_split(table[:, column], 2)
-        slope = np.polynomial.Polynomial.fit(table[:, 0], table[:, column], 1).convert().coef[1]
+        halves = np.array_split(settled[:, column], 2)
+        slope = np.polynomial.Polynomial.fit(settled[:, 0], settled[:, column], 1).convert().coef[1]
         figures[f"{name}_first_mb"], figures[f"{name}_last_mb"] = table[0, column], table[-1, column]
         figures[f"{name}_growth_mb"] = float(np.median(halves[1]) - np.median(halves[0]))
         figures[f"{name}_slope_mb_per_hour"] = 3600.0 * slope

@@ -1,7 +1,6 @@
 """The dashboard process of a run."""
 
 import argparse
-import gc
 import logging
 import sys
 from pathlib import Path
@@ -38,8 +37,6 @@ def main(arguments: list[str] | None = None) -> int:
                 port = served.get_port()
                 where = "" if options.host in access.LOOPBACK else f" (listens on {options.host}:{port})"
                 print(f"dashboard: {guard.address(port)}{where}", flush=True)
-                gc.collect()
-                gc.freeze()  # what there is now stays: a collection need not look at it again
                 page.serve(lifetime)
         finally:
             server.stop(served)

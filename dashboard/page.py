@@ -170,6 +170,8 @@ class Page:
 
     def serve(self, lifetime: Lifetime) -> None:
         """Keep the page up to date until the lifetime is over; a frame that raises is logged and left out."""
+        gc.collect()
+        gc.freeze()  # what there is now stays: a collection need not look at it again
         self._feed.source.start()
         self._requests.start()
         due, robots = monotonic(), 0

@@ -2,7 +2,10 @@
 
 import argparse
 import errno
+import re
 import socket
+from collections.abc import Iterable, Iterator
+from itertools import groupby
 from pathlib import Path
 
 from setproctitle import setproctitle
@@ -13,6 +16,8 @@ from cli.options import add_record, add_scenario, load, record_file, tell, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
+from network.access.robot_numbers import spelled
+from network.values import Event
 from ros.readiness import check, reachable
 from ros.spec import FORM, RobotSpec, parse_all, parse_router
 from ros.types import distribution
@@ -21,6 +26,8 @@ from runtime.run_registry import free_name
 
 DEFAULT_SCENARIO = "follow-the-leader"
 """Where a cut link is seen at once: without messages nobody but robot 1 knows where to go."""
+HERE = re.compile(r"agent (\d+) is here")
+"""The event of an agent that has come."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -111,13 +118,22 @@ def run(options: argparse.Namespace) -> int:
                 events = live.state.events if live.state else []
                 if events and events[-1].number < shown:  # a world that was started again counts anew
                     shown = 0
-                for event in events:
-                    if event.number > shown:
-                        shown = event.number
-                        tell(f"t = {event.stamp:.2f} s: {event.text}")
+                for line in lines(event for event in events if event.number > shown):
+                    tell(line)
+                shown = max([shown, *(event.number for event in events)])
         except KeyboardInterrupt:
             tell("stopping")
     return 0
+
+
+def lines(events: Iterable[Event]) -> Iterator[str]:
+    """Events as they are told, oldest first; agents that came one right after the other are one line."""
+    for (stamp, here), group in groupby(events, lambda event: (event.stamp, HERE.fullmatch(event.text) is not None)):
+        texts = [event.text for event in group]
+        if here and len(texts) > 1:
+            robots = (int(number) for text in texts for number in HERE.findall(text))
+            texts = [f"agents {spelled(robots)} are here"]
+        yield from (f"t = {stamp:.2f} s: {text}" for text in texts)
 
 
 def _real_robots(options: argparse.Namespace, scenario: Scenario) -> dict[int, RobotSpec]:

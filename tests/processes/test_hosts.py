@@ -66,7 +66,7 @@ def test_an_operator_elsewhere_gives_orders_and_an_observer_only_listens(
     here, there = hosts
     with (tmp_path / "up").open("w+") as log:
         run = here.start(log, "up", "triangle-circle", "--no-dashboard", "--listen", here.address)
-        wait_for(lambda: "agent 3 is here" in (tmp_path / "up").read_text())
+        wait_for(lambda: re.search(r"agents? (\S*[-,])?3 (is|are) here", (tmp_path / "up").read_text()))
         connect = ("--connect", here.address)
         assert "echelon invite operator" in there.echelon("status", *connect, check=2).stderr
         observer, operator = (here.echelon("invite", guest).stdout.strip() for guest in ("observer", "operator"))

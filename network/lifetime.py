@@ -10,6 +10,9 @@ from multiprocessing.connection import wait
 
 TERMINATED = 143
 """Exit code, as shells have it, of a process that SIGTERM ended before its time."""
+ENDINGS = {signal.SIGTERM, signal.SIGINT}
+MOST_HEARD = 4096
+"""Signals that are read from the pipe at once."""
 GRACE_SECONDS = 3.0
 """Longest time from the launcher's exit to this process's [s]."""
 
@@ -48,7 +51,8 @@ class Lifetime:
 
     def _watch(self, signals: int) -> None:
         """Wait for the first signal or the launcher's end; and after the latter, end the process if it does not end."""
-        wait([signals, *self._launcher])
+        while signals in wait([signals, *self._launcher]) and not ENDINGS & set(os.read(signals, MOST_HEARD)):
+            pass  # another signal, for which somebody has a handler
         self._over = True
         self._on_end()
         if self._launcher:

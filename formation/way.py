@@ -26,6 +26,8 @@ TURN = 1.0
 """The arc beyond a preview turns no faster, though a corner were its end [rad/s]."""
 RETURN = 1.5
 """Rate at which the gap to a newer preview closes [1/s]."""
+SHARE = 0.4
+"""Of the robots' largest speed, with which a slot returns over a wide gap: who cannot follow leaves the formation."""
 SPARE = 50
 """Ticks that are computed beyond those that are asked for, while nothing is heard."""
 CLOSED = 1e-6
@@ -45,6 +47,7 @@ class HeardReference:
         control_interval: float,
         stride: int,
         horizon: int,
+        v_max: float,
         revised: bool = False,
     ) -> None:
         """A robot that knows the preview with which the episode begins.
@@ -55,13 +58,15 @@ class HeardReference:
             control_interval: delta_t [s].
             stride: ticks in one prediction interval.
             horizon: N.
+            v_max: limit of the robots' speed [m/s].
             revised: whether a preview may differ from the ones before it where they overlap: the path is driven.
         """
         self._offsets, self._tick, self._stride, self._revised = offsets, control_interval, stride, revised
         self._ahead = stride * (horizon + 1)
         self._cubics = _cubics(stride, len(start))
         self._ways = _ways_beyond(control_interval)
-        self._joined, self._gap, self._slope = 0, np.zeros(5), np.zeros(5)
+        self._speed, self._reach = SHARE * v_max, offsets.reach
+        self._joined, self._gap, self._slope, self._rate = 0, np.zeros(5), np.zeros(5), RETURN
         self._returning = False
         self._take(start)
         self.known = True
@@ -116,7 +121,8 @@ class HeardReference:
             apart[:, turns] = wrapped(apart[:, turns])
             if np.abs(apart).max() > CLOSED:
                 self._gap = apart[0]
-                self._slope = apart[1] * math.exp(RETURN * self._tick) - apart[0]
+                self._rate = min(RETURN, 2.0 * self._speed / max(self._farthest(apart[0]), CLOSED))
+                self._slope = apart[1] * math.exp(self._rate * self._tick) - apart[0]
                 self._returning = True
         self.known = True
         # What both previews have stays, unless a gap was closed or is to be.
@@ -154,7 +160,11 @@ class HeardReference:
     def _gap_at(self, ticks: FloatArray) -> FloatArray:
         """What is left of the gap (T, 5) at these ticks (T,)."""
         passed = (ticks - self._joined)[:, None]
-        return (self._gap + self._slope * passed) * np.exp(-RETURN * self._tick * passed)
+        return (self._gap + self._slope * passed) * np.exp(-self._rate * self._tick * passed)
+
+    def _farthest(self, gap: FloatArray) -> float:
+        """How far a slot is from its place by a gap (5,), at most [m]."""
+        return math.hypot(gap[X - 1], gap[Y - 1]) + self._reach * abs(float(gap[FACING - 1]))
 
     def _centre(self, begin: int, end: int) -> FloatArray:
         """Path time, x, y, path's heading and facing (T, 5) at ticks begin .. end - 1: preview, arc beyond, and gap."""

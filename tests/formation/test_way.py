@@ -68,18 +68,21 @@ def test_beyond_the_preview_the_slots_go_on_then_stand_still() -> None:
     assert own.lost(ticks + 1)
 
 
-def test_a_robot_that_hears_again_comes_back_without_a_jump() -> None:
+@pytest.mark.parametrize(("deaf", "back"), [(800, 1800), (1500, 3000), (2600, 4200)])
+def test_a_robot_that_hears_again_comes_back_without_a_jump_however_far_it_is(deaf: int, back: int) -> None:
     scenario = told()
     own, _ = heard(scenario)
     known = scenario.reference([2, 1])
-    for k in range(800, 1801):
+    places = []
+    for k in range(deaf, back + 1):
         own.hear(known.preview(k), k + 1)
-        own.block(k + 1)
-    block = own.block(1800)
-    moved = np.hypot(*np.moveaxis(np.diff(block.slots[:1801, :, :2], axis=0), -1, 0)) / scenario.control_interval
+        block = own.block(k + 1)
+        places.append(block.slots[k + 1 - block.first, :, :2].copy())
+    moved = np.hypot(*np.moveaxis(np.diff(places, axis=0), -1, 0)) / scenario.control_interval
     assert moved.max() < scenario.robots.limits.v
-    assert np.abs(block.slots[1800] - known.block(1800).slots[1800 - known.block(1800).first]).max() < 0.001
-    assert not own.lost(1800)
+    assert np.abs(np.diff(moved, axis=0)).max() < 0.01
+    assert np.abs(places[-1] - known.block(back + 1).slots[back + 1 - known.block(back + 1).first, :, :2]).max() < 0.001
+    assert not own.lost(back)
 
 
 def test_an_older_preview_and_one_from_the_future_are_not_taken() -> None:

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,17 +43,27 @@ class _Move:
     """Rows of the robots that have a place in the new shape."""
 
 
+class Reach(NamedTuple):
+    """How far a shape reaches, into which the formation changes."""
+
+    at: float
+    over: float
+    """When the change begins, and how long it takes [s]."""
+    reach: float
+    """Distance of the outermost offset from the centre [m]."""
+
+
 class Offsets:
     """Where the robots stand in the body frame at time t."""
 
     def __init__(self, formation: Formation, path: Path) -> None:
         self._start, self._moves = formation.array, _moves(formation, path)
-        reach = np.hypot(*self._start.T).max()
-        here = self._start
+        here, self.reaches = self._start, [Reach(-math.inf, 0.0, _reach(self._start))]
+        """Of the shapes, one after the other."""
         for move in self._moves:
             here = here + move.way
-            reach = max(reach, np.hypot(*here.T).max())
-        self.reach = float(reach)
+            self.reaches.append(Reach(move.at, move.over, _reach(here)))
+        self.reach = max(each.reach for each in self.reaches)
         """The largest distance of an offset from the centre, at any time [m]."""
 
     def rows(self, robots: Sequence[int]) -> "Offsets":
@@ -105,6 +116,10 @@ class Offsets:
         for move in self._moves:
             found = found + smooth((t - move.at) / move.over)[:, None, None] * move.way
         return found
+
+
+def _reach(offsets: FloatArray) -> float:
+    return float(np.hypot(*offsets.T).max())
 
 
 def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:

@@ -1,6 +1,7 @@
 """The formation's heading at time t: along the path, constant, or turning at a limited rate."""
 
 import math
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from formation.arrays import FloatArray
 from formation.errors import ScenarioError
 from formation.formation_spec import Formation
-from formation.offsets import PEAK, smooth
+from formation.offsets import PEAK, Reach, smooth
 from formation.paths.path import Path, heading
 from formation.unicycle import wrap
 
@@ -188,27 +189,75 @@ class Limited(_Mean):
             self._theta, self._sum = np.concatenate([self._theta, found]), np.concatenate([self._sum, sums])
 
 
+class Changing:
+    """One orientation, and then another: as the shape changes, and with it how fast the formation can turn."""
+
+    def __init__(self, before: Orientation, after: Orientation, *, at: float, over: float) -> None:
+        """Both go on all the time; from `at` on the angle between them fades, over so long [s]."""
+        self._before, self._after, self._at, self._over = before, after, at, over
+
+    def angle(self, t: FloatArray) -> FloatArray:
+        before = self._before.angle(t)
+        if t.max(initial=-math.inf) <= self._at:
+            return before
+        apart = before - self._after.angle(t)
+        apart -= 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
+        return np.asarray(before - smooth((t - self._at) / self._over) * apart)
+
+
 def orientation_of(
-    formation: Formation, path: Path, *, interval: float, reach: float, rounded: bool, tight: bool
+    formation: Formation,
+    path: Path,
+    *,
+    interval: float,
+    reaches: Sequence[Reach],
+    rounded: bool,
+    tight: Callable[[float], bool],
 ) -> Orientation:
-    """The orientation that the scenario asks for.
+    """The orientation that the scenario asks for: at each time that of the shape that the formation has then.
+
+    So a change that is ordered while a run goes on alters nothing before it.
 
     Args:
         formation: says which.
         path: of the formation's centre.
-        interval, reach: as in `Limited`.
+        interval: as in `Limited`.
+        reaches: of its shapes, one after the other.
         rounded: whether the path's corners are turned as robots can.
-        tight: whether the path turns on a smaller radius than the formation's reach.
+        tight: whether the path turns on a smaller radius than a reach [m].
     """
-    match formation.orientation:
-        case "path" if tight:
-            return Averaged(path, interval, over=_long_enough(path, reach))
-        case "path":
-            return Rounded(path, interval, reach=reach) if rounded and path.corners else Along(path, interval)
-        case "fixed":
-            return Fixed(formation.heading)
-        case "limited":
-            return Limited(path, interval, rate=formation.turn_rate, reach=reach)
+
+    def kind(reach: float) -> tuple[str, float]:
+        match formation.orientation:
+            case "path" if tight(reach):
+                return "averaged", reach
+            case "path" if rounded and path.corners:
+                return "rounded", reach
+            case "limited" if formation.turn_rate is None:
+                return "limited", reach
+            case name:
+                return name, 0.0
+
+    def made(name: str, reach: float) -> Orientation:
+        match name:
+            case "averaged":
+                return Averaged(path, interval, over=_long_enough(path, reach))
+            case "rounded":
+                return Rounded(path, interval, reach=reach)
+            case "limited":
+                return Limited(path, interval, rate=formation.turn_rate, reach=reach)
+            case "fixed":
+                return Fixed(formation.heading)
+            case _:
+                return Along(path, interval)
+
+    last = kind(reaches[0].reach)
+    found = made(*last)
+    for at, over, reach in reaches[1:]:
+        if kind(reach) != last:
+            last = kind(reach)
+            found = Changing(found, made(*last), at=at, over=over)
+    return found
 
 
 def _long_enough(path: Path, reach: float) -> float:

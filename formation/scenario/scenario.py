@@ -239,6 +239,7 @@ class Scenario(Model):
             control_interval=self.control_interval,
             stride=self.stride,
             horizon=self.controller.horizon,
+            v_max=self.robots.limits.v,
             revised=self.driven,
         )
 
@@ -248,9 +249,9 @@ class Scenario(Model):
             self.formation,
             self.path,
             interval=interval,
-            reach=offsets.reach,
+            reaches=offsets.reaches,
             rounded=rounded,
-            tight=bool(self._tight_turns),
+            tight=lambda reach: bool(self._turns(reach)),
         )
         return Motion(self.path, offsets if robots is None else offsets.rows(robots), orientation, interval)
 
@@ -260,16 +261,17 @@ class Scenario(Model):
         return Schedule(self._motion(rounded=True), self._limits, self.control_interval)
 
     @cached_property
-    def _tight_turns(self) -> list[Turn]:
+    def _tight_turns(self) -> dict[float, list[Turn]]:
+        return {}  # by reach [m]
+
+    def _turns(self, reach: float) -> list[Turn]:
+        interval, step = self.controller.prediction_interval, self.control_interval
         if self.formation.orientation != "path":
             return []
-        return tight_turns(
-            self.path,
-            reach=self.offsets.reach,
-            interval=self.controller.prediction_interval,
-            step=self.control_interval,
-            until=self._examined,
-        )
+        if reach not in self._tight_turns:
+            found = tight_turns(self.path, reach=reach, interval=interval, step=step, until=self._examined)
+            self._tight_turns[reach] = found
+        return self._tight_turns[reach]
 
     @property
     def _limits(self) -> FloatArray:
@@ -286,10 +288,8 @@ class Scenario(Model):
         """Whether the robots can follow the reference, slot by slot, and where not; orders are within what they can."""
         if self.driven:
             return unexamined(self.size, (self.robots.limits.v, self.robots.limits.omega), self.offsets.reach)
-        motion = self._motion(rounded=True)
-        return examine(
-            motion, self._schedule, self._limits, self._tight_turns, until=self._examined, duration=self.duration
-        )
+        motion, turns = self._motion(rounded=True), self._turns(self.offsets.reach)
+        return examine(motion, self._schedule, self._limits, turns, until=self._examined, duration=self.duration)
 
     def start_poses(self) -> FloatArray:
         """Poses (n, 3) at t = 0, with start noise drawn from the seed [m, m, rad]."""

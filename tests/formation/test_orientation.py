@@ -89,3 +89,23 @@ def test_in_a_fixed_formation_every_slot_moves_as_the_centre() -> None:
     moved = block.slots[100, :, :2] - block.slots[0, :, :2]
     np.testing.assert_allclose(moved, [block.centre[100, :2] - block.centre[0, :2]] * 4, atol=1e-12)
     np.testing.assert_allclose(np.ptp(block.inputs[:1000], axis=1), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("orientation", ["path", "limited"])
+@pytest.mark.parametrize("at", [20.0, 33.7])
+def test_a_wider_shape_alters_nothing_before_it_is_taken_and_nothing_jumps(orientation: Any, at: float) -> None:
+    """The square can turn as the figure 8 does, the line cannot."""
+    formation = {"shape": "square", "orientation": orientation}
+    change = {"at": at, "shape": "line", "spacing": 0.1}
+    plain, changed = (
+        load("square-figure8", {"formation": {**formation, "changes": changes}}).reference()
+        for changes in ([], [change])
+    )
+    k = round(at / 0.01)
+    for tick in (1, k // 2, k - 200):
+        np.testing.assert_array_equal(changed.block(tick).slots[:2], plain.block(tick).slots[:2])
+    places = np.array(
+        [block.slots[row - block.first] for row, block in ((i, changed.block(i)) for i in range(k - 50, k + 900))]
+    )
+    moved = np.hypot(*np.moveaxis(np.diff(places[..., :2], axis=0), -1, 0)) / 0.01
+    assert np.abs(np.diff(moved, axis=0)).max() < 0.01

@@ -38,12 +38,13 @@ class _Cause:
     key: object
     """What it is, as long as it acts."""
     robot: int
-    """On which it acts."""
+    """On which it acts; 0 for all."""
     text: str
     begins: float
     """[s]."""
     ends: float | None = None
     """[s]; None while it acts."""
+    of_link: bool = False
 
 
 class Ledger:
@@ -69,6 +70,10 @@ class Ledger:
         """Who has been within the limit once: the way to the slots at the start is no excursion."""
         self._ages = np.zeros(self._n)
         """Of the plans that the robots act on [s]."""
+        self._told = scenario.path.known_to == "leader"
+        """Whether who is cut off from the others does not know the way."""
+        self._away, self._playing, self._since = set[int](), set(range(1, self._n + 1)), np.zeros(self._n)
+        """Robots that are away, those that have an agent and are in the ring, and since when each has been [s]."""
         self._seen: tuple[object, ...] = ()
 
     def look(
@@ -100,10 +105,11 @@ class Ledger:
         """
         for robot, command in commands.items():
             self._ages[robot - 1] = command.age
-        seen = (faults, disturbances, tuple(live))
+        seen = (faults, disturbances, tuple(live), tuple(away))
         if seen != self._seen:
             self._seen = seen
             self._note_causes(now, faults, disturbances, set(seen[2]))
+            self._note_ring(now, set(away), set(seen[2]) - set(away))
         if self._n <= FEW and not away and not self._open and self._all_within(poses, slots):
             self._settled[:] = True
             return []
@@ -164,7 +170,7 @@ class Ledger:
 
     def _cause(self, robot: int, now: float) -> _Cause | None:
         """What began last of that which acts, or acted lately, on the robot or upstream of it."""
-        window = self._horizon + float(self._ages[robot - 1])
+        window = self._horizon + min(float(self._ages[robot - 1]), now - float(self._since[robot - 1]))
         possible = [
             cause
             for cause in self._causes
@@ -177,7 +183,12 @@ class Ledger:
         return (other - one) % self._n
 
     def _reaches(self, cause: _Cause, robot: int) -> bool:
-        """Whether a cause that acts upstream is near, or has shown at its own robot or the next."""
+        """Whether a cause that acts upstream is near, or has shown at its own robot or the next.
+
+        Where robot 1 alone knows the way, a link that fails leaves all behind it without, and robot 1 alone with them.
+        """
+        if not cause.robot or (self._told and cause.of_link and (robot >= cause.robot or robot == 1)):
+            return True
         if self._hops(cause.robot, robot) <= max(1, min(HOPS, self._n - 2)):
             return True
         shown = (self._open.get(one) for one in (cause.robot, downstream(cause.robot, self._n)))
@@ -198,8 +209,20 @@ class Ledger:
             if cause.ends is None and cause.key not in acting:
                 cause.ends = now
         known = {cause.key for cause in self._causes if cause.ends is None}
-        self._causes += [_Cause(key, robot, text, now) for key, (robot, text) in acting.items() if key not in known]
+        self._causes += [
+            _Cause(key, robot, text, now, of_link=isinstance(key, tuple) and isinstance(key[0], LinkId))
+            for key, (robot, text) in acting.items()
+            if key not in known
+        ]
         self._causes = [cause for cause in self._causes if cause.ends is None or cause.ends >= now - REMEMBERED]
+
+    def _note_ring(self, now: float, away: set[int], playing: set[int]) -> None:
+        """Who leaves the ring or joins it moves everybody's neighbours."""
+        for robots, does in ((away - self._away, "leaves"), (self._away - away, "joins")):
+            self._causes += [_Cause((does, robot), 0, f"robot {robot} {does}", now, now) for robot in sorted(robots)]
+        for robot in playing - self._playing:
+            self._since[robot - 1] = now
+        self._away, self._playing = away, playing
 
     def newest(self, count: int) -> list[Excursion]:
         """The newest excursions, those that go on last."""

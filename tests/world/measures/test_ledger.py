@@ -155,3 +155,19 @@ def test_an_error_that_flickers_about_the_limit_is_one_row() -> None:
     made.wait(1.0)
     assert made.ledger.over == made.ledger.count == 2  # its own, and that of robot 1, which it is upstream of
     assert made.ledger.newest(9)[0].until == pytest.approx(1.0 + 3 * (QUIET_SECONDS + 0.1) + 0.21)
+
+
+def test_whoever_joins_is_named_and_not_what_was_over_while_it_was_away() -> None:
+    joins = [{"robot": 3, "leave": 6.0, "join": 9.0}]
+    gust = {"robot": 3, "at": 1.0, "until": 2.0, "drift": [0.0, 0.05, 0.0]}
+    found = load("triangle-circle", {"duration": 14.0, "membership": {"changes": joins}, "disturbances": [gust]})
+    rows = [row for row in simulate(found)["excursions"] if row["t"] > 9.0]
+    assert rows
+    assert {row["cause"] for row in rows} == {"robot 3 joins"}
+
+
+def test_where_robot_1_alone_knows_the_way_a_cut_is_the_cause_for_all_behind_it_and_for_robot_1() -> None:
+    cut = {"link": "1->2", "cut": True, "at": 3.0, "until": 12.0}
+    summary = simulate(load("follow-the-leader", {"duration": 12.0, "faults": [cut]}))
+    assert {row["robot"] for row in summary["excursions"]} == {1, 2, 3, 4}
+    assert {row["cause"] for row in summary["excursions"]} == {"1->2: cut"}

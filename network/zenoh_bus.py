@@ -5,6 +5,7 @@ Zenoh's own receive threads only append to it, so a slow reader never stalls the
 time limit. Besides ros/session.py this is the only module that imports zenoh.
 """
 
+import ctypes
 import json
 import os
 import threading
@@ -67,6 +68,15 @@ def client_config(endpoint: str, *, keys: Keys | None = None, patience: float = 
     return zenoh.Config.from_json5(json.dumps(settings))
 
 
+_THREAD = threading.local()
+
+
+def _keep_thread() -> None:
+    """Have Python keep its state of this thread of Zenoh's: else it maps memory for one at each message."""
+    if not hasattr(_THREAD, "kept"):
+        _THREAD.kept = ctypes.pythonapi.PyGILState_Ensure()
+
+
 class ZenohBus(Bus):
     """A client of the run's router."""
 
@@ -123,10 +133,12 @@ class ZenohBus(Bus):
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
+                _keep_thread()
                 self.inbox.put(Sample(str(sample.key_expr), _bytes(sample.payload)))
         else:
 
             def take(sample: zenoh.Sample) -> None:
+                _keep_thread()
                 self.inbox.put(Sample(key, _bytes(sample.payload)))
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))

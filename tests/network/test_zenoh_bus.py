@@ -1,5 +1,6 @@
 """Laws of a session: what is kept waits for whoever looks, the newest so many, in order."""
 
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -73,3 +74,25 @@ def test_what_is_too_large_for_a_message_arrives_as_no_message(
     monkeypatch.setattr("network.zenoh_bus.MAX_BYTES", size - 1)
     say(sender, range(1))
     assert heard(kept, 1)[0].payload == b""
+
+
+def test_python_keeps_its_state_of_the_thread_that_receives(
+    pair: tuple[ZenohBus, ZenohBus], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Memory was mapped for one and unmapped at each message: a page fault each, and a tenth of the processor time."""
+    sender, listener = pair
+    here, counts = threading.local(), list[int]()
+
+    def put(_: object) -> None:
+        here.count = getattr(here, "count", 0) + 1
+        counts.append(here.count)
+
+    monkeypatch.setattr(listener.inbox, "put", put)
+    listener.subscribe(topics.command("x", 1))
+    sender.announce(topics.command("x", 1), reliable=True)
+    time.sleep(0.2)
+    say(sender, range(20))
+    end = time.monotonic() + 20.0
+    while len(counts) < 20 and time.monotonic() < end:
+        time.sleep(0.01)
+    assert max(counts) > 10, "a thread that is forgotten counts from 1"

@@ -37,7 +37,7 @@ class Simulation:
         self.world.live = set(self.agents)
         self._away = self.world.away
         self._heard_by = self._hearers()
-        self._revision, self._scenario = -1, scenario
+        self._revision, self._scenario = -1, self.world.scenario  # a ring that begins closed may have another shape
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
 
     def _agent(self, robot: int) -> Agent:
@@ -62,11 +62,11 @@ class Simulation:
         self._heard_by = self._hearers()
         return moved
 
-    def _reshape(self, scenario: Scenario) -> None:
-        """Users have changed the shape."""
+    def _reshape(self, scenario: Scenario, moved: Collection[int]) -> None:
+        """Users have changed the shape, or the ring has; agents that begin anew have it already."""
         self._scenario = scenario
-        for agent in self.agents.values():
-            agent.reshape(scenario, self.world.k)
+        for robot in self.agents.keys() - moved:
+            self.agents[robot].reshape(scenario, self.world.k)
         if self._team:
             self._team.reshape(scenario, self.world.k)
 
@@ -106,7 +106,7 @@ class Simulation:
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
             if world.scenario is not self._scenario:
-                self._reshape(world.scenario)
+                self._reshape(world.scenario, moved)
         for plan in self._plans:
             for robot in self._heard_by[plan.sender]:
                 if robot not in moved:

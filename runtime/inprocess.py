@@ -112,7 +112,7 @@ class Simulation:
                 if robot not in moved:
                     agents[robot].receive(plan)
         if self._team:
-            self._team.see(tick.seq, world.plant.poses)
+            self._team.see(tick.seq, world.plant.poses, tick.odometry, world.inputs)
         answers = {robot: agent.step(tick) for robot, agent in agents.items()}
         if tick.last:
             for agent in agents.values():

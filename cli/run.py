@@ -14,6 +14,7 @@ from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
 from cli.options import add_record, add_scenario, load, record_file, tell, warn
+from cli.terminal.figures import figure
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
@@ -134,6 +135,11 @@ def _excursions(summary: dict[str, Any]) -> str:
     )
 
 
+def _spread(error: dict[str, Any]) -> list[str]:
+    """What the table shows of an error [mm]."""
+    return [figure(error[key], 1e3, ".4f") for key in ("rms", "median", "p95", "max")]
+
+
 def _print(summary: dict[str, Any]) -> None:
     console = Console()
     console.print(
@@ -146,12 +152,11 @@ def _print(summary: dict[str, Any]) -> None:
         d, a = figures["distance_error_m"], figures["angle_error_rad"]
         errors.add_row(
             f"robot {robot}",
-            *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")),
-            f"{a['rms']:.2g}",
+            *_spread(d),
+            figure(a["rms"], form=".2g"),
             f"{figures['limit_s']:.3g}",
         )
-    t = summary["tracking_error_m"]
-    errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "", "")
+    errors.add_row("centre to path", *_spread(summary["tracking_error_m"]), "", "")
     console.print(errors)
     console.print(_excursions(summary))
     console.print(
@@ -163,7 +168,7 @@ def _print(summary: dict[str, Any]) -> None:
     links = Table("link", "sent", "delivered", "lost", "late", "age median s", "p95 s", "max s")
     for link, figures in summary["links"].items():
         age = figures["age_s"]
-        ages = ["-" if age[key] is None else f"{age[key]:.3f}" for key in ("median", "p95", "max")]
+        ages = [figure(age[key], form=".3f") for key in ("median", "p95", "max")]
         links.add_row(link, *(str(figures[key]) for key in ("sent", "delivered", "lost", "late")), *ages)
     console.print(links)
     solve = summary["solve_s"]

@@ -123,15 +123,18 @@ class _ProgressBar:
         self._bar.stop()
 
 
-def _excursions(summary: dict[str, Any]) -> str:
-    """The excursions of an episode in a line."""
-    found, limit = summary["excursions"], 1e3 * summary["excursion_limit_m"]
+def excursions(summary: dict[str, Any]) -> str:
+    """The excursions of an episode in a line; the way to the slots at the start is none, and is told by itself."""
+    found, limit, out = summary["excursions"], 1e3 * summary["excursion_limit_m"], summary["never_within"]
+    if len(out) == len(summary["robots"]):
+        return f"no robot came within {limit:.3g} mm of where it should be"
+    rest = f"; never within {limit:.3g} mm: {', '.join(f'robot {robot}' for robot in out)}" if out else ""
     if not found:
-        return f"no error above {limit:.3g} mm"
+        return f"no error above {limit:.3g} mm once robots were within it{rest}"
     worst = max(found, key=lambda one: float(one["peak_m"]))
     return (
         f"{len(found)} excursions above {limit:.3g} mm; largest: robot {worst['robot']}, "
-        f"{1e3 * worst['peak_m']:.3g} mm from t = {worst['t']:.2f} s on; likely cause: {worst['cause']}"
+        f"{1e3 * worst['peak_m']:.3g} mm from t = {worst['t']:.2f} s on; likely cause: {worst['cause']}{rest}"
     )
 
 
@@ -158,7 +161,7 @@ def _print(summary: dict[str, Any]) -> None:
         )
     errors.add_row("centre to path", *_spread(summary["tracking_error_m"]), "", "")
     console.print(errors)
-    console.print(_excursions(summary))
+    console.print(excursions(summary))
     console.print(
         f"contacts {summary['contacts']}, least gap of two robots {summary['gap_m'] * 1e3:.3g} mm "
         f"({summary['clearance_m'] * 1e3:.4g} mm between centres)"

@@ -87,8 +87,7 @@ class Simulation:
         return self.world.finished
 
     def go_on(self) -> None:
-        """Begin a segment, as a live run does whose world was lost: every agent begins anew."""
-        assert self._team is None  # no live run has one
+        """Begin a segment, as a live run does whose world was lost: every agent begins anew, but who sees all poses."""
         self.world.go_on()
         self._scenario = self.world.scenario
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}

@@ -28,7 +28,7 @@ def mistakes(formation: Formation, robots: Robots, bodies: Bodies) -> Iterator[s
 
 
 def overlapping(formation: Formation, robots: Robots, bodies: Bodies) -> str:
-    """What a user is told whose robots have less room than they are wide, start noise aside; empty if they have it."""
+    """What a user is told whose robots have less room than they are wide; empty if they have it."""
     width = _width(bodies, len(formation.array))
     for where, who, apart in _nearest(formation, robots):
         if apart < width * (1.0 - 1e-9):
@@ -44,7 +44,7 @@ def _width(bodies: Bodies, size: int) -> float:
 def _nearest(formation: Formation, robots: Robots) -> Iterator[tuple[str, str, float]]:
     """Per key that says where robots are: its name, the two that are nearest to each other, and how far apart [m]."""
     places: list[tuple[str, FloatArray]] = [("formation", formation.array)]
-    if robots.poses is not None:
+    if robots.poses is not None and robots.start_noise.position == 0.0:  # with it they start elsewhere
         places.append(("robots.poses", np.array(robots.poses)))
     for where, array in places:
         one, other, apart = nearest(array)

@@ -52,6 +52,7 @@ def test_users_who_order_such_a_shape_are_refused_likewise() -> None:
         ),
         (["formation.spacing=0.07"], ""),
         (["robots.start_noise.position=1"], ""),
+        ([HERE, "robots.start_noise.position=0.02"], ""),
     ],
 )
 def test_less_room_than_robots_need_is_told(settings: list[str], line: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -90,6 +90,7 @@ class Agent:
     def reshape(self, scenario: Scenario, k: int) -> None:
         """From tick k on the formation has the offsets of this scenario; before it they are the same."""
         self._task.reshape(scenario, k)
+        self._estimator.reshape()
         if self._driver:
             self._driver.reshape(k, scenario)
 
@@ -294,7 +295,6 @@ class Agent:
         if self._last is None or self._last[0] != k:
             return 0.0
         _, solution, own, _ = self._last
-        at = k + self._motors.delay
-        begins = stamp + self._motors.delay * self._task.tick
+        at, begins = k + self._motors.delay, stamp + self._motors.delay * self._task.tick
         other = self._receivers[0].belief.aged(begins, *self._task.slot(at, 1))
         return self._game.gap(at, np.concatenate([own, other.pose]), np.hstack([solution.inputs, other.inputs]))

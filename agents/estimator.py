@@ -56,6 +56,10 @@ class Estimate(NamedTuple):
 class Estimator(Protocol):
     """Takes odometry and measurements tick by tick; says where the robot is."""
 
+    def reshape(self) -> None:
+        """The task's formation has other offsets from now on; if nothing was measured yet, robots begin in those."""
+        ...
+
     def begin(self, speed: FloatArray) -> None:
         """Wheel speeds (2,) at tick 0."""
         ...
@@ -112,6 +116,9 @@ class LatestPose:
         self._newest: tuple[int, FloatArray] | None = None
         self._odometry = np.zeros((LENGTH, 2))
         self._speed = STILL
+
+    def reshape(self) -> None:
+        """Nothing: it begins with what is measured."""
 
     def begin(self, speed: FloatArray) -> None:
         self._speed = speed

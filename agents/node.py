@@ -214,14 +214,17 @@ class AgentNode:
         register_unloaded(setup.user_code)
         scenario = _scenario(setup.scenario)
         check_loaded(setup.user_code, scenario.controller.name)
-        here = self._robot <= scenario.size
-        agent = Agent(scenario, self._robot, episode=setup.episode, away=setup.away) if here else None
-        self._scenario, self._agent = scenario, agent
+        agent = self._made(scenario, setup) if self._robot <= scenario.size else None
+        self._scenario, self._agent, self._setup = scenario, agent, setup
         self._answers, self._answered, self._missed, self._last_status = [], -1, 0, None
         self._tick, self._newest, self._repeated, self._deaf_until = None, (setup.episode, -1, -1.0), False, -1
         self._plans = {key: plan for key, plan in self._plans.items() if key[0] == setup.episode}
         self._listen(agent)
         self._renew(setup)
+
+    def _made(self, scenario: Scenario, setup: Setup) -> Agent:
+        """An agent that begins with the shape and the ring of now, as one process makes it."""
+        return Agent(with_changes(scenario, setup.changes), self._robot, episode=setup.episode, away=setup.away)
 
     def _listen(self, agent: Agent | None) -> None:
         """Subscribe to the plans of those whom the agent hears, and to no others."""
@@ -233,18 +236,15 @@ class AgentNode:
     def _renew(self, setup: Setup) -> None:
         """Another revision of the episode, or the same as of now."""
         agent, scenario, held = self._agent, self._scenario, self._setup
-        if agent is not None and scenario is not None:
-            same = held is not None and held.episode == setup.episode
-            known = held.changes if held is not None and same else []
+        if agent is not None and scenario is not None and held is not None:
             n, i = scenario.size, self._robot
-            if held is not None and same and place(i, n, setup.away) != place(i, n, held.away):
-                own, known = with_changes(scenario, setup.changes), setup.changes
-                agent = self._agent = Agent(own, self._robot, episode=setup.episode, away=setup.away)
+            if place(i, n, setup.away) != place(i, n, held.away):
+                agent = self._agent = self._made(scenario, setup)
                 self._deaf_until = setup.closed_at
                 self._listen(agent)
-            agent.set_faults(setup.faults)
-            if setup.changes != known:
+            elif setup.changes != held.changes:
                 agent.reshape(with_changes(scenario, setup.changes), round(setup.stamp / scenario.control_interval))
+            agent.set_faults(setup.faults)
         self._setup = setup
         if self._tick is not None and self._tick.revision < setup.revision:
             self._tick = None  # the world is past it

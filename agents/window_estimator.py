@@ -69,7 +69,7 @@ class WindowEstimator:
         self.memory: FlatWindow = start(slots, np.tile(near if placed else (FAR, TURNED), (self.blocks, 1)))
         """The state, as compiled code takes it."""
         self._knows = placed and body.age > 0
-        self._rolled, self._until = False, 0
+        self._begun, self._rolled, self._until = False, False, 0
         self._speed = STILL
         self._results = np.empty(RESULTS)
         self._odometry, self._rows = NO_SUMS, NO_MEASUREMENTS
@@ -79,8 +79,13 @@ class WindowEstimator:
         """The state field by field: views of the memory."""
         return view(self.memory)
 
+    def reshape(self) -> None:
+        if not self._begun:
+            for mean in (self.window.base_mean, self.window.copy_mean):
+                mean[:, :3] = self._task.block(0)[0].slots[0, : self.blocks]
+
     def begin(self, speed: FloatArray) -> None:
-        self._speed = speed
+        self._begun, self._speed = True, speed
 
     def roll(self, k: int, speed: FloatArray) -> None:
         motors = self._motors
@@ -90,7 +95,7 @@ class WindowEstimator:
         learns = self._rolled and motors.learns
         if estimation.roll(*self.memory, motors.memory, k, self._speed, speed, self._dt, learns):
             motors.learnt()
-        self._rolled, self._until = True, k
+        self._begun, self._rolled, self._until = True, True, k
         self._speed = speed
 
     def sense(self, measurement: Measurement) -> None:

@@ -126,8 +126,8 @@ class JointTeam:
     def __init__(self, scenario: Scenario, weights: Weights) -> None:
         self._joint = Joint(scenario, weights)
 
-    def see(self, k: int, poses: FloatArray) -> None:
-        """True poses; not used."""
+    def see(self, k: int, poses: FloatArray, speeds: FloatArray, commands: FloatArray) -> None:
+        """What is true; not used."""
 
     def reshape(self, scenario: Scenario, k: int) -> None:
         """The law is of one shape."""

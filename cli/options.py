@@ -14,6 +14,7 @@ from formation.loading.load import names_code
 from formation.loading.source import Kind
 from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
+from formation.scenario.places import overlapping
 from formation.scenario.scenario import Scenario
 from network.access.keys import LOCAL, OPEN, Keys, common_name, protocol
 from network.arguments import INSECURE
@@ -177,13 +178,13 @@ def tell(line: str) -> None:
 
 
 def warn(scenario: Scenario) -> None:
-    """Print a line on stderr if robots cannot follow what the scenario asks of them."""
+    """Print a line on stderr if robots cannot follow what the scenario asks of them, or have no room there."""
     bodies = scenario.bodies
     if bodies.scaled != 1.0:
         tell(
             f"{scenario.name}: {bodies.preset} robots are {2.0 * bodies.radius:g} m wide: spacing, path and speed are "
             f"{bodies.scaled:.2g} times as large"
         )
-    line = scenario.feasibility().line
-    if line:
-        tell(f"{scenario.name}: {line}")
+    for line in (overlapping(scenario.formation, scenario.robots, bodies), scenario.feasibility().line):
+        if line:
+            tell(f"{scenario.name}: {line}")

@@ -14,6 +14,7 @@ from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
 from cli.options import add_record, add_scenario, load, record_file, tell, warn
+from cli.terminal.figures import figure
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
@@ -122,16 +123,24 @@ class _ProgressBar:
         self._bar.stop()
 
 
-def _excursions(summary: dict[str, Any]) -> str:
-    """The excursions of an episode in a line."""
-    found, limit = summary["excursions"], 1e3 * summary["excursion_limit_m"]
+def excursions(summary: dict[str, Any]) -> str:
+    """The excursions of an episode in a line; the way to the slots at the start is none, and is told by itself."""
+    found, limit, out = summary["excursions"], 1e3 * summary["excursion_limit_m"], summary["never_within"]
+    if len(out) == len(summary["robots"]):
+        return f"no robot came within {limit:.3g} mm of where it should be"
+    rest = f"; never within {limit:.3g} mm: {', '.join(f'robot {robot}' for robot in out)}" if out else ""
     if not found:
-        return f"no error above {limit:.3g} mm"
+        return f"no error above {limit:.3g} mm once robots were within it{rest}"
     worst = max(found, key=lambda one: float(one["peak_m"]))
     return (
         f"{len(found)} excursions above {limit:.3g} mm; largest: robot {worst['robot']}, "
-        f"{1e3 * worst['peak_m']:.3g} mm from t = {worst['t']:.2f} s on; likely cause: {worst['cause']}"
+        f"{1e3 * worst['peak_m']:.3g} mm from t = {worst['t']:.2f} s on; likely cause: {worst['cause']}{rest}"
     )
+
+
+def _spread(error: dict[str, Any]) -> list[str]:
+    """What the table shows of an error [mm]."""
+    return [figure(error[key], 1e3, ".4f") for key in ("rms", "median", "p95", "max")]
 
 
 def _print(summary: dict[str, Any]) -> None:
@@ -146,14 +155,13 @@ def _print(summary: dict[str, Any]) -> None:
         d, a = figures["distance_error_m"], figures["angle_error_rad"]
         errors.add_row(
             f"robot {robot}",
-            *(f"{d[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")),
-            f"{a['rms']:.2g}",
+            *_spread(d),
+            figure(a["rms"], form=".2g"),
             f"{figures['limit_s']:.3g}",
         )
-    t = summary["tracking_error_m"]
-    errors.add_row("centre to path", *(f"{t[key] * 1e3:.4f}" for key in ("rms", "median", "p95", "max")), "", "")
+    errors.add_row("centre to path", *_spread(summary["tracking_error_m"]), "", "")
     console.print(errors)
-    console.print(_excursions(summary))
+    console.print(excursions(summary))
     console.print(
         f"contacts {summary['contacts']}, least gap of two robots {summary['gap_m'] * 1e3:.3g} mm "
         f"({summary['clearance_m'] * 1e3:.4g} mm between centres)"
@@ -163,7 +171,7 @@ def _print(summary: dict[str, Any]) -> None:
     links = Table("link", "sent", "delivered", "lost", "late", "age median s", "p95 s", "max s")
     for link, figures in summary["links"].items():
         age = figures["age_s"]
-        ages = ["-" if age[key] is None else f"{age[key]:.3f}" for key in ("median", "p95", "max")]
+        ages = [figure(age[key], form=".3f") for key in ("median", "p95", "max")]
         links.add_row(link, *(str(figures[key]) for key in ("sent", "delivered", "lost", "late")), *ages)
     console.print(links)
     solve = summary["solve_s"]

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.table import Table
 
 from cli.light_options import add_controllers
 from cli.options import add_workers, check_workers, controllers, tell
+from cli.terminal.figures import figure
 from cli.terminal.progress import TrialProgress
 from experiments.study.controllers import with_controllers
 from experiments.study.study import Study, load, shipped
@@ -95,14 +95,14 @@ def _print(study: Study, statistics: Sequence[Row], bounds: Sequence[dict[str, o
         for row in rows[:SHOWN_ROWS]:
             cells = [str(row[name]) for name in columns]
             cells += [
-                _number(row["mean"], factor),
+                figure(row["mean"], factor),
                 _range(row["low"], row["high"], factor),
-                _number(row["max"], factor),
+                figure(row["max"], factor),
             ]
             if row["missing"]:
                 cells[-3] += f" ({row['missing']} of {row['trials']} never)"
             if ratio:
-                cells += [_number(row["ratio"]), _range(row["ratio_low"], row["ratio_high"])]
+                cells += [figure(row["ratio"]), _range(row["ratio_low"], row["ratio_high"])]
             table.add_row(*cells)
         console.print(table)
         if len(rows) > SHOWN_ROWS:
@@ -117,16 +117,12 @@ def _console() -> Console:
 
 def _check(bound: dict[str, object]) -> str:
     where = ", ".join(f"{k} {v}" for k, v in dict(bound["where"]).items())  # type: ignore[call-overload]
-    found = "never" if bound["found"] is None else _number(bound["found"])
+    found = "never" if bound["found"] is None else figure(bound["found"])
     why = f" ({bound['why']})" if bound["why"] else ""
     words = "holds" if bound["holds"] else "DOES NOT HOLD"
     limit = f"at least {bound['at_least']}" if bound["at_most"] is None else f"at most {bound['at_most']}"
     return f"{words}: {bound['statistic']} of {bound['measure']} at {where}: {found}, {limit}{why}"
 
 
-def _number(value: object, factor: float = 1.0) -> str:
-    return f"{value * factor:.4g}" if isinstance(value, int | float) and math.isfinite(value) else "-"
-
-
 def _range(low: object, high: object, factor: float = 1.0) -> str:
-    return f"{_number(low, factor)} to {_number(high, factor)}" if low != high else "-"
+    return f"{figure(low, factor)} to {figure(high, factor)}" if low != high else "-"

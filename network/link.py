@@ -8,6 +8,7 @@ import hashlib
 import heapq
 import math
 import struct
+from collections import deque
 from statistics import NormalDist
 from typing import Generic, NamedTuple, TypeVar
 
@@ -52,19 +53,36 @@ class _Draws(NamedTuple):
     stationary: float
 
 
+class _Departure(NamedTuple):
+    """Of a message, or of a copy of it, over a rate-limited link."""
+
+    at: float
+    delay: float
+    """From there to its arrival [s]."""
+    number: int
+    """In the heap."""
+
+
 class Link(Generic[T]):
-    """A link from `source` to `target`. `fault` may be set at any time; it applies to messages pushed afterwards."""
+    """A link from `source` to `target`. `fault` may be set at any time; it applies to messages pushed afterwards.
+
+    Its rate applies to those that wait for their departure as well: a queue drains at the rate that the link has.
+    """
 
     def __init__(self, seed: int, link: LinkId, fault: Fault = PERFECT) -> None:
         self.id = link
-        self.fault = fault
         self._key = f"{seed}/{link}".encode()
         self._heap: list[tuple[float, int, Arrival[T]]] = []
         self._order = 0
         self._free = -math.inf  # when a rate-limited link can take the next message
+        self._rate = 0.0  # by which that was computed
+        self._departures: deque[_Departure] = deque()  # the last one that is over, and those that are to come
         self._latest = -math.inf  # the latest arrival so far, for keep_order
+        self._popped = -math.inf  # the latest of those that were popped
+        self._looked = -math.inf  # when that was
         self._sent = self._lost = self._delivered = self._duplicated = 0
         self._chain: tuple[int, float, float, bool] = (-1, 0.0, 0.0, False)  # seq, loss, burst, in a burst
+        self.fault = fault
 
     @property
     def counts(self) -> LinkCounts:
@@ -85,6 +103,8 @@ class Link(Generic[T]):
     @fault.setter
     def fault(self, fault: Fault) -> None:
         self._fault = PERFECT if fault is PERFECT or fault == PERFECT else fault
+        if fault.rate != self._rate and not self._heap:  # nothing waits; what waits is seen to when it is known when
+            self._queue_anew(self._looked)
 
     @property
     def transparent(self) -> bool:
@@ -95,8 +115,10 @@ class Link(Generic[T]):
         """Send a message over the link. Messages must be pushed in the order in which they were sent."""
         self._sent += 1
         fault = self._fault
+        if fault.rate != self._rate:
+            self._queue_anew(max(sent, self._looked))
         if fault is PERFECT:
-            self._carry(sent, Arrival(seq, sent, sent, message, None))
+            self._carry(sent, 0.0, Arrival(seq, sent, sent, message, None))
             return
         draws = self._draws(seq)
         if fault.cut or self._is_lost(seq, draws):
@@ -108,29 +130,65 @@ class Link(Generic[T]):
             return
         damage = draws.place if draws.corrupt < fault.corrupt else None
         delay = 0.0 if draws.reorder < fault.reorder else _delay(fault, draws.jitter)
-        self._carry(departure + delay, Arrival(seq, sent, departure + delay, message, damage))
+        arrival = Arrival(seq, sent, departure, message, damage)
+        self._carry(departure, delay, arrival)
         if draws.duplicate < fault.duplicate:
             self._duplicated += 1
-            due = departure + _delay(fault, draws.copy_jitter)
-            self._carry(due, Arrival(seq, sent, due, message, damage))
+            self._carry(departure, _delay(fault, draws.copy_jitter), arrival)
 
     def pop(self, now: float) -> list[Arrival[T]]:
         """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
         if not self._heap:
             return []
+        self._looked = max(now, self._looked)
+        if self._fault.rate != self._rate:
+            self._queue_anew(self._looked)
         due = []
         while self._heap and self._heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
             due.append(heapq.heappop(self._heap)[2])
         self._delivered += len(due)
+        if due:
+            self._popped = max(self._popped, due[-1].due)
         return due
 
-    def _carry(self, due: float, arrival: Arrival[T]) -> None:
-        if self._fault.keep_order and due < self._latest:
-            due = self._latest
-            arrival = arrival._replace(due=due)
-        self._latest = max(due, self._latest)
+    def _carry(self, departure: float, delay: float, arrival: Arrival[T]) -> None:
+        """What departs then [s] arrives after this delay [s]."""
         self._order += 1
-        heapq.heappush(self._heap, (due, self._order, arrival))
+        heapq.heappush(self._heap, self._due(departure, delay, self._order, arrival))
+        if self._rate:
+            self._departures.append(_Departure(departure, delay, self._order))
+            while len(self._departures) > 1 and self._departures[1].at <= arrival.sent:
+                self._departures.popleft()
+
+    def _due(self, departure: float, delay: float, number: int, arrival: Arrival[T]) -> tuple[float, int, Arrival[T]]:
+        """The heap's entry, with the time of arrival."""
+        due = departure + delay
+        if self._fault.keep_order:
+            due = max(due, self._latest)
+        self._latest = max(due, self._latest)
+        return due, number, arrival._replace(due=due)
+
+    def _queue_anew(self, now: float) -> None:
+        """The rate has changed: what waits at `now` [s] departs at the new one, after what has departed."""
+        self._rate = self._fault.rate
+        gap = 1.0 / self._rate if self._rate else 0.0
+        over = [one for one in self._departures if one.at <= now + 1e-9]
+        waiting = [one for one in self._departures if one.at > now + 1e-9]
+        self._departures = deque(over[-1:] if self._rate else ())
+        self._free = over[-1].at + gap if over and self._rate else -math.inf
+        entries = {entry[1]: entry for entry in self._heap}
+        moved = [(one, entries.pop(one.number)) for one in waiting]
+        self._heap = list(entries.values())
+        self._latest = max([self._popped, *(entry[0] for entry in self._heap)])
+        before, departure = -math.inf, now
+        for one, (_, number, arrival) in moved:
+            if one.at != before:  # a copy departs with its message
+                before, departure = one.at, max(now, self._free, arrival.sent)
+                self._free = departure + gap
+            self._heap.append(self._due(departure, one.delay, number, arrival))
+            if self._rate:
+                self._departures.append(_Departure(departure, one.delay, number))
+        heapq.heapify(self._heap)
 
     def _departure(self, sent: float) -> float | None:
         """When a rate-limited link forwards the message [s]; None if its queue is full."""

@@ -37,7 +37,7 @@ class Simulation:
         self.world.live = set(self.agents)
         self._away = self.world.away
         self._heard_by = self._hearers()
-        self._revision, self._scenario = -1, scenario
+        self._revision, self._scenario = -1, self.world.scenario  # a ring that begins closed may have another shape
         self._plans: list[Plan] = []  # of the last tick: they meet the faults of this one, as they do between processes
 
     def _agent(self, robot: int) -> Agent:
@@ -62,11 +62,11 @@ class Simulation:
         self._heard_by = self._hearers()
         return moved
 
-    def _reshape(self, scenario: Scenario) -> None:
-        """Users have changed the shape."""
+    def _reshape(self, scenario: Scenario, moved: Collection[int]) -> None:
+        """Users have changed the shape, or the ring has; agents that begin anew have it already."""
         self._scenario = scenario
-        for agent in self.agents.values():
-            agent.reshape(scenario, self.world.k)
+        for robot in self.agents.keys() - moved:
+            self.agents[robot].reshape(scenario, self.world.k)
         if self._team:
             self._team.reshape(scenario, self.world.k)
 
@@ -87,8 +87,7 @@ class Simulation:
         return self.world.finished
 
     def go_on(self) -> None:
-        """Begin a segment, as a live run does whose world was lost: every agent begins anew."""
-        assert self._team is None  # no live run has one
+        """Begin a segment, as a live run does whose world was lost: every agent begins anew, but who sees all poses."""
         self.world.go_on()
         self._scenario = self.world.scenario
         self.agents = {robot: self._agent(robot) for robot in self.world.robots}
@@ -106,13 +105,13 @@ class Simulation:
             for agent in agents.values():
                 agent.set_faults(world.faults.table)
             if world.scenario is not self._scenario:
-                self._reshape(world.scenario)
+                self._reshape(world.scenario, moved)
         for plan in self._plans:
             for robot in self._heard_by[plan.sender]:
                 if robot not in moved:
                     agents[robot].receive(plan)
         if self._team:
-            self._team.see(tick.seq, world.plant.poses)
+            self._team.see(tick.seq, world.plant.poses, tick.odometry, world.inputs)
         answers = {robot: agent.step(tick) for robot, agent in agents.items()}
         if tick.last:
             for agent in agents.values():

@@ -4,6 +4,7 @@ What the robot then would have done is compared with what it did; its body goes 
 agent got follows from simulating the record again; in real time it is in a record of full detail.
 """
 
+from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -11,15 +12,18 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Agent
-from formation.errors import EchelonError
+from formation.errors import EchelonError, ScenarioError
 from formation.faults import Fault
+from formation.formation_spec import Change
 from formation.link_ids import LinkId
+from formation.pattern import place
 from formation.scenario.registry import check_live, check_name
+from formation.scenario.reshaping import closing, reshaped
 from formation.scenario.scenario import Scenario
 from network.codec import decode
 from network.messages import Command, Plan, Tick
 from records.cdr import Fields
-from records.record import Record, RecordedEpisode
+from records.record import Record, RecordedEpisode, RecordedOrder
 from records.scanning import Message, Note, scan
 from runtime.verification import check_version, scenario_of, shadow_of, table_of
 from world.run_control import with_controller
@@ -33,6 +37,8 @@ class Moment(NamedTuple):
     plans: list[Plan]
     """That came in since the tick before."""
     faults: Mapping[LinkId, Fault]
+    away: frozenset[int]
+    """Robots over which the ring is closed."""
     command: Command | None
     """What the robot was commanded at this tick."""
 
@@ -92,16 +98,17 @@ def _simulated(episode: RecordedEpisode, robot: int) -> Iterator[Moment]:
     last = min(tick for tick in (episode.ticks[-1], absent, *episode.resumed[:1]) if tick is not None)
     while shadow.k < last:
         shadow.begin_tick()
-        tick, scenario, faults = world.tick(), world.scenario, dict(world.faults.table)
+        tick, scenario, faults, away = world.tick(), world.scenario, dict(world.faults.table), world.away
         shadow.step()
-        yield Moment(scenario, tick, plans, faults, shadow.answers[robot].command)
+        yield Moment(scenario, tick, plans, faults, away, shadow.answers[robot].command)
         plans = [answer.plan for answer in shadow.answers.values() if answer.plan is not None]
 
 
 def _recorded(record: Record, episode: RecordedEpisode, robot: int) -> Iterator[Moment]:
     """The ticks of an episode as they went over the wire."""
-    scenario, found = scenario_of(episode), _wire(record, episode)
+    formation, found = _Formation(scenario_of(episode)), _wire(record, episode)
     orders = [order for order in episode.sorted_orders if order.kind == "faults"]
+    changes = deque(order for order in episode.sorted_orders if order.kind in ("ring", "shape"))
     held: Moment | None = None
     plans: list[Plan] = []
     for message in found:
@@ -113,10 +120,37 @@ def _recorded(record: Record, episode: RecordedEpisode, robot: int) -> Iterator[
         else:
             if held is not None:
                 yield held
+            while changes and changes[0].tick <= message.seq:
+                formation.take(changes.popleft(), episode.interval)
             table = next((table_of(order) for order in reversed(orders) if order.tick <= message.seq), {})
-            held, plans = Moment(scenario, message, plans, table, None), []
+            held, plans = Moment(formation.scenario, message, plans, table, formation.away, None), []
     if held is not None:
         yield held
+
+
+class _Formation:
+    """The scenario with the shapes that it has had since, and who is away, as the world of a record had them."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario, self.away = scenario, frozenset[int]()
+        self._given, self._changes = scenario, list[Change]()
+
+    def take(self, order: RecordedOrder, interval: float) -> None:
+        """A change of the ring or of the shape; a tick lasts so long [s]."""
+        if order.kind == "shape":
+            change = Change.model_validate(order.value)
+        else:
+            self.away = frozenset(order.value["away"])
+            if self.scenario.membership.shape == "keep":
+                return
+            now = order.tick * interval
+            try:
+                change = closing(self.scenario, now - self.scenario.reference().lag(now), self.away)
+                reshaped(self._given, [*self._changes, change])
+            except ScenarioError:
+                return  # the robots kept their places
+        self._changes.append(change)
+        self.scenario = reshaped(self._given, self._changes)
 
 
 def _wire(record: Record, episode: RecordedEpisode) -> Iterator[Tick | Plan | Command]:
@@ -136,17 +170,21 @@ def _wire(record: Record, episode: RecordedEpisode) -> Iterator[Tick | Plan | Co
 def _compare(moments: Iterator[Moment], robot: int, controller: str) -> Compared:
     agent: Agent | None = None
     before: Moment | None = None
+    deaf_until = -1  # an agent whose place in the ring has changed begins anew, and hears plans from then on
     differences, times, failures = [], [], 0
     for moment in moments:
         scenario = _under(moment.scenario, controller)
-        if agent is None:
-            agent = Agent(scenario, robot, episode=moment.tick.episode)
-        elif before is not None and moment.scenario is not before.scenario:
+        n, old = scenario.size, agent
+        if agent is None or before is None or place(robot, n, moment.away) != place(robot, n, before.away):
+            agent = Agent(scenario, robot, episode=moment.tick.episode, away=moment.away)
+            deaf_until = -1 if old is None else moment.tick.seq
+        elif moment.scenario is not before.scenario:
             agent.reshape(scenario, moment.tick.seq)
-        if before is None or moment.faults != before.faults:
+        if agent is not old or before is None or moment.faults != before.faults:
             agent.set_faults(moment.faults)
         for plan in moment.plans:
-            agent.receive(plan)
+            if plan.seq >= deaf_until:
+                agent.receive(plan)
         answer = agent.step(moment.tick).command
         failures += not answer.converged or bool(answer.failure)
         if moment.command is not None:

@@ -61,9 +61,9 @@ INSIDE: dict[str, list[set[str]]] = {
         {"health", "__main__"},
     ],
     "agents": [
-        {"kernels", "states", "plausibility"},
+        {"kernels", "states", "plausibility", "motor_model"},
         {"controllers"},
-        {"belief", "driver_receiver", "estimator", "motor_model"},
+        {"belief", "driver_receiver", "estimator"},
         {"window_estimator", "plan_receiver", "sending", "avoidance"},
         {"agent"},
         {"node"},

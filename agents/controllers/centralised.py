@@ -3,11 +3,13 @@
 At every planning tick it sees the true poses of all robots and minimises the sum over the ring of the costs J_i that
 `nash` plays for, jointly, to convergence and within the limits. No plans of the same horizon cost less in that sum;
 a controller with other aims may still hold the pattern better and the path worse. For robots that cannot keep up it
-waits by the rule of agents/controllers/pair_waiting.py, with one lag for all. The plans that its agents exchange are
-not used. It runs in one process only (runtime/inprocess.py). docs/theory.md, section 7 says why it is not a bound.
+waits by the rule of agents/controllers/pair_waiting.py, with one lag for all. If commands act late, it plans from where
+robots will be by then, along the commands that are under way. The plans that its agents exchange are not used. It runs
+in one process only (runtime/inprocess.py). docs/theory.md, section 7 says why it is not a bound.
 """
 
 import math
+from collections import deque
 
 import numpy as np
 
@@ -15,9 +17,12 @@ from agents.controllers.interface import Observation, Solution
 from agents.controllers.pair_game import pair_game, weights
 from agents.controllers.pair_waiting import PairWaiting
 from agents.controllers.task import Task
+from agents.kernels.learning import view
 from agents.kernels.lq import optimise
 from agents.kernels.pair_cost import ring_weights
 from agents.kernels.unicycle import shift
+from agents.motor_model import MotorModel
+from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 
@@ -36,12 +41,29 @@ class Team:
         self._waits = pair_game(scenario).waits
         q, r = weights(scenario)
         self._q, self._r = np.array(q, dtype=float), np.tile(np.array(r, dtype=float), scenario.size)
+        self._motors = MotorModel(scenario, self._tasks[0].limits)
+        delay = self._motors.delay
+        self._under_way: deque[FloatArray] = deque(scenario.start.inputs[:delay], maxlen=delay)
+        """Commands (n, 2) that have no effect yet, the oldest first; robots start in motion [m/s, rad/s]."""
         self._now: tuple[int, FloatArray] | None = None
         self._plan: tuple[int, FloatArray, bool] | None = None
 
-    def see(self, k: int, poses: FloatArray) -> None:
-        """Set the true poses (n, 3) of tick k, before any member plans."""
-        self._now = (k, np.array(poses, dtype=float))
+    def see(self, k: int, poses: FloatArray, speeds: FloatArray, commands: FloatArray) -> None:
+        if k > 0:
+            self._under_way.append(np.array(commands, dtype=float))
+        at = k + self._motors.delay
+        self._now = at, self._carried(poses, speeds)
+
+    def _carried(self, poses: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Poses (n, 3) once the commands under way have had their effect, as nominal bodies follow them."""
+        here, wheels = np.array(poses, dtype=float), np.array(speeds, dtype=float)
+        motors, tick = view(self._motors.memory), self._tasks[0].tick
+        for acting in self._under_way:
+            gap = np.clip(acting, -motors.limits, motors.limits) - wheels
+            wheels += np.clip(self._motors.rate * gap, -motors.change, motors.change)
+            moved = [unicycle.step(x, y, theta, v, omega, tick) for x, y, theta, v, omega in np.hstack([here, wheels])]
+            here = np.array(moved)
+        return here
 
     def reshape(self, scenario: Scenario, k: int) -> None:
         """From tick k on the formation has the offsets of this scenario."""
@@ -58,10 +80,14 @@ class Team:
         return self._tasks[0].lag
 
     def plan(self, k: int) -> tuple[FloatArray, bool]:
-        """Inputs (N, n, 2) of all from tick k on, and whether they could be found; solved once per tick."""
+        """Inputs (N, n, 2) of all, which have an effect from tick k on, and whether they could be found.
+
+        Solved once per tick. Raises RuntimeError if it was not shown the tick at which they are commanded.
+        """
         if self._plan is None or self._plan[0] != k:
             if self._now is None or self._now[0] != k:
-                raise RuntimeError(f"expected to be shown the poses of tick {k} before planning")
+                now = k - self._motors.delay
+                raise RuntimeError(f"expected to be shown the poses of tick {now} before planning")
             self._plan = (k, *self._solve(k, self._now[1]))
         return self._plan[1:]
 

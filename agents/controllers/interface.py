@@ -122,8 +122,15 @@ class Team(Protocol):
         """How far the reference time of all is behind the clock [s]."""
         ...
 
-    def see(self, k: int, poses: FloatArray) -> None:
-        """Take the true poses (n, 3) of tick k, before any member plans."""
+    def see(self, k: int, poses: FloatArray, speeds: FloatArray, commands: FloatArray) -> None:
+        """Take what is true at tick k, before any member plans.
+
+        Args:
+            k: now; call it for every tick.
+            poses: (n, 3) [m, m, rad].
+            speeds: (n, 2) of the wheels over the tick before [m/s, rad/s].
+            commands: (n, 2) that reached the robots at the tick before [m/s, rad/s].
+        """
         ...
 
     def reshape(self, scenario: Scenario, k: int) -> None:

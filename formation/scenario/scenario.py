@@ -26,6 +26,7 @@ from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
 from formation.pattern import Pattern, pattern
 from formation.reference import Block, Reference
+from formation.scenario import places
 from formation.scenario.any_controller import AnyController
 from formation.scenario.controllers import NashOptions
 from formation.scenario.estimator import Estimator
@@ -90,9 +91,8 @@ class Scenario(Model):
                 'path.wait_for_lost: expected known_to = "leader", a path that is not driven, and nash with game = '
                 f'"response", which can wait; got {self.path.kind}, {self.path.known_to}, {self.controller.name}'
             )
-        poses = self.robots.poses
-        if poses is not None and len(poses) != self.size:
-            raise ValueError(f"robots.poses: expected {self.size} poses for this formation; got {len(poses)}")
+        for line in places.mistakes(self.formation, self.robots, self.bodies):
+            raise ValueError(line)
         ratio = self.controller.prediction_interval / self.control_interval
         if not 1.0 <= ratio <= MAX_STRIDE or abs(ratio - round(ratio)) > 1e-6:
             raise ValueError(

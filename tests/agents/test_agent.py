@@ -17,6 +17,7 @@ from formation.arrays import FloatArray
 from formation.faults import Fault
 from formation.link_ids import LinkId
 from formation.scenario.files import load
+from formation.scenario.reshaping import change_of, reshaped
 from formation.scenario.scenario import Scenario
 from formation.unicycle import step
 from network.codec import decode, encode
@@ -304,6 +305,25 @@ def test_a_damaged_pose_is_not_believed() -> None:
     one = agent()
     one.set_faults({LinkId(0, 1): Fault(corrupt=1.0)})
     assert at_tick(one, 0, 0.0, POSE).plan is None
+
+
+def test_an_agent_whose_formation_changes_before_the_first_tick_begins_in_that_one() -> None:
+    """Whether it was there already when that was ordered, or came after: what it believes at the start is the same."""
+    scenario = load("ring-16", ["formation.robots=4", "bodies=camera"])
+    new = reshaped(scenario, [change_of(scenario, 0.0, shape="line", spacing=0.2)])
+    told, fresh = Agent(scenario, 2), Agent(new, 2)
+    told.reshape(new, 0)
+    pose = new.start_poses()[1]
+    for k in range(3):
+        one, other = at_tick(told, k, k * TICK, pose), at_tick(fresh, k, k * TICK, pose)
+        assert one.plan is not None
+        assert other.plan is not None
+        np.testing.assert_array_equal(one.plan.pose, other.plan.pose)
+        np.testing.assert_array_equal(one.plan.inputs, other.plan.inputs)
+    assert not np.array_equal(
+        Agent(scenario, 2)._estimator.memory.real,  # type: ignore[attr-defined]
+        Agent(new, 2)._estimator.memory.real,  # type: ignore[attr-defined]
+    ), "the two begin differently"
 
 
 def test_a_robot_without_poses_stands_still_in_the_world_as_well() -> None:

@@ -221,6 +221,94 @@ def test_a_rate_limit_above_the_traffic_does_nothing() -> None:
     assert [a.due for a in arrivals] == [a.sent for a in arrivals]
 
 
+def at_rates(rates: dict[int, float], count: int, **keys: Any) -> list[Arrival[int]]:
+    """Push so many messages, 100 a second; from these on the link has these rates."""
+    link: Link[int] = Link(0, LinkId(1, 2))
+    arrivals = []
+    for seq in range(count):
+        if seq in rates:
+            link.fault = Fault(rate=rates[seq], **keys)
+        link.push(seq, seq * TICK, seq)
+        arrivals += link.pop(seq * TICK)
+    return arrivals
+
+
+def test_a_rate_that_was_low_for_a_while_leaves_nothing_behind() -> None:
+    """What waits when it ends drains at the rate that is then, and so does what comes afterwards."""
+    arrivals = at_rates({0: 50.0, 100: 0.01, 200: 50.0}, 600)
+    due = np.array([a.due for a in arrivals])
+    assert np.count_nonzero((due > 1.03) & (due < 1.98)) == 0
+    after = due[due > 1.98]
+    np.testing.assert_allclose(np.diff(after), 0.02, atol=1e-9)
+    assert after[0] == pytest.approx(2.0, abs=1e-9)
+    assert len(after) == pytest.approx(4.0 * 50.0, abs=2)
+    waited = [a for a in arrivals if a.due > 1.98 and a.sent < 1.98]
+    assert len(waited) == pytest.approx(QUEUE_LIMIT, abs=1)
+
+
+@pytest.mark.parametrize("unlimited", [0.0, 1e6])
+def test_once_a_rate_limit_is_lifted_all_that_waits_comes_at_once(unlimited: float) -> None:
+    arrivals = at_rates({0: 10.0, 100: unlimited}, 110)
+    waited = [a.due for a in arrivals if a.due > 0.985 and a.sent < 0.985]
+    assert len(waited) == QUEUE_LIMIT
+    np.testing.assert_allclose(waited, 1.0, atol=1e-4)
+    assert [a.due for a in arrivals if a.seq >= 102] == [pytest.approx(seq * TICK) for seq in range(102, 110)]
+
+
+def test_a_link_that_was_perfect_meanwhile_begins_its_rate_anew() -> None:
+    link: Link[int] = Link(0, LinkId(1, 2), Fault(rate=0.01))
+    link.push(0, 0.0, 0)
+    assert [a.due for a in link.pop(0.0)] == [0.0]
+    link.fault = Fault()
+    assert link.transparent
+    link.fault = Fault(rate=0.01)
+    link.push(500, 5.0, 500)
+    assert [a.due for a in link.pop(5.0)] == [5.0]
+
+
+def test_a_rate_that_falls_holds_for_those_that_wait_too() -> None:
+    arrivals = at_rates({0: 50.0, 100: 5.0}, 300)
+    due = np.array([a.due for a in arrivals])
+    np.testing.assert_allclose(np.diff(due[due > 1.02]), 0.2, atol=1e-9)
+
+
+def test_a_change_of_other_keys_moves_nothing_that_waits() -> None:
+    whole, link = run(Link(0, LinkId(1, 2), Fault(rate=7.0)), range(100)), Link[int](0, LinkId(1, 2), Fault(rate=7.0))
+    arrivals = []
+    for seq in range(100):
+        link.fault = Fault(rate=7.0, loss=0.0, burst=1.0 + seq % 2)
+        link.push(seq, seq * TICK, seq)
+        arrivals += link.pop(seq * TICK)
+    assert arrivals + link.pop(100.0) == whole
+
+
+@given(st.lists(FAULTS, min_size=2, max_size=4), st.integers(0, 2**32), st.booleans())
+@settings(max_examples=100)
+def test_whatever_the_rate_was_a_link_is_as_new_once_its_queue_and_delays_are_over(
+    faults: Any, seed: Any, keep_order: bool
+) -> None:
+    link: Link[int] = Link(seed, LinkId(1, 2))
+    arrivals = []
+    for seq in range(200):
+        if seq % 30 == 0 and seq < 120:
+            fault = faults[seq // 30 % len(faults)]
+            link.fault = fault.model_copy(
+                update={"keep_order": keep_order, "duplicate": 0.0, "rate": fault.rate / 100.0}
+            )
+        if seq == 120:
+            link.fault = Fault(keep_order=keep_order)
+        link.push(seq, seq * TICK, seq)
+        arrivals += link.pop(seq * TICK)
+    arrivals += link.pop(100.0)
+    assert all(a.due >= a.sent for a in arrivals)
+    assert link.counts.in_flight == 0
+    assert link.counts.sent == link.counts.delivered + link.counts.lost
+    if keep_order:
+        assert [a.seq for a in arrivals] == sorted(a.seq for a in arrivals)
+    link.push(20_000, 200.0, 1)
+    assert [a.due for a in link.pop(200.0)] == [200.0]
+
+
 def test_a_duplicate_is_a_second_copy_with_a_delay_of_its_own() -> None:
     link: Link[int] = Link(0, LinkId(1, 2), Fault(duplicate=1.0, latency=0.1, jitter=0.05))
     arrivals = run(link, range(100))

@@ -162,6 +162,26 @@ def shrinking() -> Scenario:
     return load("triangle-circle", [*SETTINGS, changes])
 
 
+@pytest.mark.parametrize("bodies", ["epuck", "turtlebot3", "camera"])
+@pytest.mark.parametrize("path", ["{kind='circle'}", "{kind='circle', known_to='leader', leader='next'}"])
+def test_a_ring_that_begins_closed_in_another_shape_is_that_of_one_process(bodies: str, path: str) -> None:
+    """Where robots start is part of what estimators believe; an agent that is replaced begins in that shape too."""
+    begun = begins_closed(bodies, path)
+    assert MemoryRun(begun).finish() == inprocess.simulate(begun)["trajectory_sha256"]
+    run = MemoryRun(begun)
+    run.run(5.0, lambda: run.world.k == 12)
+    run.kill_agent(3)
+    run.at(0.01, partial(run.start_agent, 3))
+    assert run.finish() == in_one_process(run)
+
+
+def begins_closed(bodies: str, path: str) -> Scenario:
+    """Of four, one has left before the first tick, and the others have taken the shape of three."""
+    away = "membership={shape='close', changes=[{robot=1, leave=0}]}"
+    formation = "formation.robots=4"
+    return load("ring-16", ["duration=0.4", f"path={path}", formation, away, f"bodies={bodies}"])
+
+
 def test_robots_that_are_told_the_path_drive_alike_in_both_engines() -> None:
     """Told, cut off for longer than the preview, and told again: the same bits."""
     fault = "faults=[{at=0.1, until=4.4, link='1->2', cut=true}, {link='2->3', latency=0.05, loss=0.1}]"
@@ -283,7 +303,7 @@ def test_a_world_that_is_replaced_goes_on_from_what_was_saved(
 
 def in_one_process(run: MemoryRun) -> str:
     """The hash that world and agents compute when they are called in turn, with who took part as in this run."""
-    world = World(run.world.scenario, episode=run.world.episode - len(run.world.resumed))
+    world = World(run.world.given, episode=run.world.episode - len(run.world.resumed))
     lives = [(process.robot, process.steps) for process in [*run.dead, *run.agents.values()]]
     agents: dict[int, Agent] = {}
     plans: dict[int, Plan] = {}
@@ -300,7 +320,7 @@ def in_one_process(run: MemoryRun) -> str:
             step = steps.get((tick.episode, tick.seq))
             if step is None:
                 continue
-            agent = agents.setdefault(life, Agent(world.scenario, robot, episode=world.episode))
+            agent = agents.setdefault(life, Agent(world.scenario, robot, episode=world.episode, away=world.away))
             agent.set_faults(world.faults.table)
             plan = plans.get(agent.upstream)
             if step and plan is not None:

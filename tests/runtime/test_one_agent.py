@@ -8,9 +8,11 @@ import pytest
 
 from cli.main import main
 from formation.errors import EchelonError
+from network.interventions import Reshape
 from records.record import load
 from runtime.one_agent import rerun
 from tests.records.recorded import record, scenario
+from world.world import World
 
 PUSHED = "disturbances=[{robot=2, at=0.5, until=1, drift=[0.05, 0, 0]}]"
 
@@ -31,6 +33,32 @@ def test_the_same_controller_does_what_was_done(files: Any, name: str, robot: in
     found = rerun(load(files[name]), robot)
     assert (found.first, found.largest, found.rms) == (None, (0.0, 0.0), (0.0, 0.0))
     assert found.ticks == 250
+
+
+@pytest.mark.parametrize("shape", ["keep", "close"])
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+@pytest.mark.parametrize("leave", [0, 0.7])
+def test_a_ring_that_closes_and_opens_is_the_agents_too(tmp_path: Path, shape: str, mode: Any, leave: float) -> None:
+    """Whoever has another neighbour begins anew there; with another shape everybody's place is another."""
+    away = f"membership={{shape='{shape}', changes=[{{robot=2, leave={leave}, join=1.8}}]}}"
+    ring = scenario("formation.robots=4", "bodies=camera", away, name="ring-16")
+    record(tmp_path / "ring.mcap", ring, "full", mode=mode)
+    kept = load(tmp_path / "ring.mcap")
+    for robot in (1, 2, 3):
+        found = rerun(kept, robot)
+        assert (robot, found.first, found.largest) == (robot, None, (0.0, 0.0))
+        assert found.ticks == 250
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_a_shape_that_a_user_ordered_is_the_agents_too(tmp_path: Path, mode: Any) -> None:
+    def order(world: World) -> None:
+        if world.k == 60:
+            world.intervene(Reshape(shape="line"))
+
+    record(tmp_path / "line.mcap", scenario(), "full", mode=mode, before=order)
+    found = rerun(load(tmp_path / "line.mcap"), 1)
+    assert (found.first, found.ticks) == (None, 250)
 
 
 @pytest.mark.parametrize("controller", ["consensus", "leader_follower"])

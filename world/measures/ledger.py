@@ -248,6 +248,7 @@ class Ledger:
         """For the summary of the episode."""
         return {
             "excursion_limit_m": self.limit,
+            "never_within": (np.flatnonzero(~self._settled) + 1).tolist(),
             "excursions": [
                 {
                     "t": one.at,

@@ -41,6 +41,8 @@ from world.world import World
 DT = 0.1
 Q, R = (1.0, 1.0, 0.01, 1.0, 0.01, 0.01), (0.01, 0.01)
 LIMITS = np.array([0.5, 2.0])
+NOTHING_YET = np.zeros((3, 2))
+"""What three robots that cannot be late do and are told [m/s, rad/s]."""
 BASELINES = ("virtual_structure", "consensus", "centralised")
 DISORDER = "robots.start_noise={position=0.02, heading=0.1}"
 NOISE = "noise={slip=0.2, gyro=0.2, position=0.001, heading=0.01}"
@@ -335,7 +337,7 @@ def test_agents_that_play_nash_never_plan_cheaper_than_the_team() -> None:
         simulation.step()
         if k % 20:
             continue
-        team.see(k, poses)
+        team.see(k, poses, NOTHING_YET, NOTHING_YET)
         best, converged = team.plan(k)
         assert converged
         played = np.stack([_plan_of(simulation.agents[i]) for i in simulation.world.robots], axis=1)
@@ -381,16 +383,39 @@ def test_the_team_waits_for_a_stuck_robot_and_only_then() -> None:
 def test_the_team_must_be_shown_the_poses_of_the_tick() -> None:
     task = scenario("centralised")
     team = Team(task)
-    team.see(0, task.start_poses())
+    team.see(0, task.start_poses(), NOTHING_YET, NOTHING_YET)
     assert team.plan(0)[1]
     with pytest.raises(RuntimeError, match="tick 1"):
         team.plan(1)
 
 
+LATE = "bodies={delay=0.05, lag=0.08, acceleration=2, turn_acceleration=20}"
+
+
+def test_the_team_plans_from_where_robots_will_be_once_commands_act() -> None:
+    """Where bodies are as they are said to be, it knows that to the last digits, from the first tick on."""
+    simulation = Simulation(scenario("centralised", "duration=1.5", LATE, DISORDER))
+    team, true, foreseen = cast(Team, simulation._team), [], []
+    while not simulation.finished:
+        true.append(simulation.world.plant.poses)
+        simulation.step()
+        assert team._now is not None
+        assert team._now[0] == simulation.world.k - 1 + 5
+        foreseen.append(team._now[1])
+    np.testing.assert_allclose(foreseen[:-5], true[5:], atol=1e-12)
+    assert np.abs(np.array(true[5:]) - true[:-5]).max() > 1e-3
+
+
+@pytest.mark.parametrize("bodies", ["turtlebot3", "epuck", "camera", "{delay=0.2}"])
+def test_the_team_keeps_late_robots_in_formation(bodies: str) -> None:
+    summary = simulate(scenario("centralised", "duration=6", f"bodies={bodies}"), warmup=4.0)
+    assert worst(summary, "max") < 20.0
+
+
 def test_a_team_that_is_nowhere_says_so_and_keeps_its_limits() -> None:
     task = scenario("centralised", "controller.waits=false")
     team = Team(task)
-    team.see(0, np.full((3, 3), np.nan))
+    team.see(0, np.full((3, 3), np.nan), NOTHING_YET, NOTHING_YET)
     inputs, converged = team.plan(0)
     assert not converged
     assert (np.abs(inputs) <= LIMITS).all()

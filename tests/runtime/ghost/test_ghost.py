@@ -100,6 +100,18 @@ def test_a_ghost_may_be_of_a_controller_that_runs_in_one_process_only() -> None:
     assert 0.0 < np.abs(shadow.message(1).poses - live.world.plant.poses).max() < 0.1
 
 
+def test_such_a_ghost_goes_on_when_the_live_world_was_lost() -> None:
+    """Its agents begin anew; who plans for all of them sees where they are."""
+    live = Simulation(load("triangle-circle", ["bodies=turtlebot3"]), endless=True)
+    for _ in range(40):
+        live.step()
+    shadow = Shadow(live.world.given, "centralised", 0)
+    shadow.resume_at([20])
+    follow(shadow, live.world)
+    assert shadow.k == live.world.k
+    assert shadow.world.resumed == [20]
+
+
 def test_a_reset_begins_the_tables_of_faults_anew() -> None:
     simulation = Simulation(load("triangle-circle", [SCHEDULE]), endless=True)
     simulation.world.change_fault("3->1", {"latency": 0.2}, None)

@@ -58,7 +58,21 @@ def test_a_run_without_any_has_no_row_though_its_robots_start_elsewhere() -> Non
     summary = simulate(load("triangle-circle", {"duration": 8.0}))
     assert summary["robots"]["1"]["distance_error_m"]["max"] > summary["excursion_limit_m"]
     assert summary["excursions"] == []
+    assert summary["never_within"] == []
     assert summary["excursion_limit_m"] == pytest.approx(0.002)
+
+
+def test_who_was_never_within_the_limit_is_named() -> None:
+    far = simulate(load("triangle-circle", {"duration": 1.0, "robots": {"start_noise": {"position": 100.0}}}))
+    assert (far["excursions"], far["never_within"]) == ([], [1, 2, 3])
+    task = load("triangle-circle", {"duration": 1.0})
+    slots, poses = task.start.slots[0], task.start.slots[0].copy()
+    poses[0, 0] += 0.01
+    ledger = Ledger(task)
+    ledger.look(0.01, poses, slots, commands={}, faults={}, disturbances=(), live=[1, 2, 3])
+    assert ledger.summary()["never_within"] == [1, 2], "the one that is off, and the one that hears it"
+    ledger.look(0.02, slots, slots, commands={}, faults={}, disturbances=(), live=[1, 2, 3])
+    assert ledger.summary()["never_within"] == []
 
 
 def test_the_limit_is_the_larger_of_both_or_what_the_scenario_says() -> None:

@@ -2,6 +2,7 @@
 
 import atexit
 import itertools
+import json
 import os
 import socket
 import threading
@@ -14,21 +15,26 @@ import numpy as np
 from api.intervening import Intervening
 from api.result import Result
 from api.scenarios import load, tell
+from formation.arrays import FloatArray
 from formation.errors import EchelonError
 from formation.link_ids import LinkId
+from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
 from network.messages import State
-from network.requests import Request
+from network.requests import Request, Setup, TraceRows
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
+from world.measures.trace import Errors
 
 LOOPBACK = "127.0.0.1"
 ANSWER_SECONDS = 10.0
 START_SECONDS = 60.0
 """Longest wait for the world's first state [s]."""
+TRIES = 3
+"""For a result of one episode, if others begin while it is fetched."""
 
 
 class Run(Intervening):
@@ -145,16 +151,41 @@ class Run(Intervening):
 
     def result(self, *, warmup: float = 0.0) -> Result:
         """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
-        parts: list[dict[str, Any]] = []
-        while not parts or parts[-1]["last"] < parts[0]["ticks"]:
-            parts.append(self._ask(control.GetTrace(first=parts[-1]["last"] if parts else 0)))
-        summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
-        n = self.scenario.size
-        arrays = {
-            name: np.frombuffer(b"".join(part[name] for part in parts), dtype="<f8").reshape(shape)
-            for name, shape in (("poses", (-1, n, 3)), ("inputs", (-1, n, 2)), ("ages", (-1, n)))
-        }
-        return Result(self.scenario, summary=summary, **arrays)
+        for _ in range(TRIES):
+            setup = self._setup()
+            summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
+            arrays = self._rows(setup.episode, summary.get("ticks", 0))
+            if arrays:
+                errors = Errors(*(arrays.pop(name) for name in Errors._fields))
+                return Result(self._scenario_of(setup), errors=errors, summary=summary, **arrays)
+        raise EchelonError(
+            f"run {self.name}: expected an episode that goes on; a new one began {TRIES} times meanwhile"
+        )
+
+    def _rows(self, episode: int, ticks: int) -> dict[str, FloatArray]:
+        """The trace of an episode up to a tick: arrays by name, none if another has begun. Raises EchelonError."""
+        parts: list[dict[str, FloatArray]] = []
+        last = 0
+        while not parts or last < ticks:
+            rows = TraceRows.of(self._ask(control.GetTrace(first=last)))
+            if rows.episode != episode or rows.ticks < ticks:
+                return {}
+            parts.append(rows.arrays(last))
+            last = rows.last
+        whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return {name: values[: ticks + (name not in ("inputs", "ages"))] for name, values in whole.items()}
+
+    def _setup(self) -> Setup:
+        setup = self._bus.setup(timeout=ANSWER_SECONDS)
+        if setup is None:
+            raise self._silent()
+        return setup
+
+    def _scenario_of(self, setup: Setup) -> Scenario:
+        """What the run simulates now: its page may have chosen another scenario."""
+        if setup.scenario == self.scenario.model_dump_json(exclude_unset=True):
+            return self.scenario
+        return parse(json.loads(setup.scenario), where=f"run {self.name}")
 
     def _intervene(self, operation: Operation) -> None:
         self._ask(operation)
@@ -162,10 +193,13 @@ class Run(Intervening):
     def _ask(self, operation: Operation) -> dict[str, Any]:
         reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)
         if reply is None:
-            raise EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
+            raise self._silent()
         if not reply.ok:
             raise EchelonError(reply.reason)
         return reply.value
+
+    def _silent(self) -> EchelonError:
+        return EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
 
     def close(self) -> None:
         """End its processes; nothing is left behind."""

@@ -112,7 +112,7 @@ class Simulation(Intervening):
         trace = self._engine.trace
         summary = self._engine.world.summary(warmup=warmup)
         more = {"engine": "inprocess", "wall_s": perf_counter() - self._began}
-        return Result(self.scenario, trace.poses, trace.inputs, trace.ages, {**summary, **more})
+        return Result(self.scenario, trace.poses, trace.inputs, trace.ages, trace.measured(), {**summary, **more})
 
 
 def simulate(

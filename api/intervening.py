@@ -14,16 +14,16 @@ class Intervening(ABC):
     def _intervene(self, operation: Operation) -> None:
         """Have the world do it. Raises EchelonError."""
 
-    def push(self, robot: int, kind: Kind, *, seconds: float | None = None) -> None:
+    def push(self, robot: int, kind: Kind, *, seconds: float | str | None = None) -> None:
         """Disturb a robot's body from the next tick on: gust, slow, stuck, slippery or blind.
 
         Args:
             robot: its number, from 1.
             kind: of the disturbance.
-            seconds: for how long [s]; until `release`, if None.
+            seconds: for how long [s], or text such as "2s"; until `release`, if None.
 
         Raises:
-            EchelonError: there is no such robot or kind.
+            EchelonError: there is no such robot or kind, or a value is out of range.
         """
         self._intervene(operation(Request("push", {"robot": robot, "kind": kind, "seconds": seconds})))
 
@@ -43,13 +43,15 @@ class Intervening(ABC):
         """Take a robot that `leave` took out into the ring again. Raises EchelonError."""
         self._intervene(operation(Request("join", {"robot": robot})))
 
-    def reshape(self, shape: str | None = None, *, spacing: float | None = None, over: float | None = None) -> None:
+    def reshape(
+        self, shape: str | None = None, *, spacing: float | None = None, over: float | str | None = None
+    ) -> None:
         """Change the shape, the spacing, or both, from the next tick on.
 
         Args:
             shape: such as "line"; it stays, if None.
             spacing: between neighbours [m]; it stays, if None.
-            over: how long the change takes [s]; derived from the path's speed, if None.
+            over: how long the change takes [s], or text such as "2s"; derived from the path's speed, if None.
 
         Raises:
             EchelonError: this formation cannot take it.

@@ -107,24 +107,24 @@ class Run(Intervening):
                     raise EchelonError(f"run {self.name}: expected to reach {until or duration:g} s; {self._error}")
                 self._changed.wait(1.0)
 
-    def set_fault(self, link: str | LinkId = "all", *, seconds: float | None = None, **changes: Any) -> None:
+    def set_fault(self, link: str | LinkId = "all", *, seconds: float | str | None = None, **changes: Any) -> None:
         """Set keys of a link's fault from the next tick on.
 
         Args:
             link: such as "1->2" or "world->1"; "all" for every one between robots.
-            seconds: for how long [s]; until further notice, if None.
+            seconds: for how long [s], or text such as "2s"; until further notice, if None.
             changes: keys of [link], such as latency, loss, cut.
 
         Raises:
-            EchelonError: there is no such link or key.
+            EchelonError: there is no such link or key, or a value is out of range.
         """
-        self._ask(control.SetFault(link=str(link), changes=changes, seconds=seconds))
+        self._ask(control.operation(Request("fault", {"link": str(link), "changes": changes, "seconds": seconds})))
 
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
         self._ask(control.Clear(link=str(link)))
 
-    def drive(self, v: float, omega: float, *, seconds: float | None = None) -> None:
+    def drive(self, v: float, omega: float, *, seconds: float | str | None = None) -> None:
         """Order a formation whose path is `driven` a speed [m/s] and a turn rate [rad/s] from the next tick on.
 
         Args:

@@ -87,16 +87,16 @@ class Simulation(Intervening):
             raise EchelonError(f"robot {robot}: expected a step before its first observation; got none")
         return agent.observation
 
-    def set_fault(self, link: str | LinkId = "all", *, until: float | None = None, **changes: Any) -> None:
+    def set_fault(self, link: str | LinkId = "all", *, until: float | str | None = None, **changes: Any) -> None:
         """Set keys of a link's fault from the next tick on.
 
         Args:
             link: such as "1->2" or "world->1"; "all" for every one between robots.
-            until: simulated time at which it ends [s].
+            until: simulated time at which it ends [s], or text such as "2s"; if None, it stays.
             changes: keys of [link], such as latency, loss, cut.
 
         Raises:
-            FaultError: there is no such link or key.
+            FaultError: there is no such link or key, or the end is not later than now.
         """
         self._engine.world.change_fault(str(link), changes, until)
 

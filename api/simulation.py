@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from time import perf_counter
-from typing import Any
+from typing import Any, Self
 
 from agents.controllers.interface import Observation
+from api.copying import copied, dumped, loaded
 from api.intervening import Intervening
 from api.result import Result
 from api.scenarios import load, tell
@@ -21,6 +22,8 @@ PROGRESS_TICKS = 50
 
 class Simulation(Intervening):
     """An episode, tick by tick, with faults and observations from outside.
+
+    A copy (`copy.deepcopy`, `copy.copy`, `pickle`) goes on by itself, to the same bits.
 
     Example:
         >>> import echelon
@@ -104,6 +107,18 @@ class Simulation(Intervening):
         """Remove what was set on a link from the next tick on. Raises FaultError."""
         self._engine.world.clear_faults(str(link))
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        """Another that goes on from here, with the same scenario. Raises EchelonError: a part cannot be copied."""
+        memo[id(self)] = other = type(self).__new__(type(self))
+        memo[id(self.scenario)] = self.scenario
+        vars(other).update(copied(vars(self), memo))
+        return other
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As bytes, for pickle. Raises EchelonError: a part cannot be pickled."""
+        seconds = perf_counter() - self._began
+        return _unpickled, (type(self), dumped({**vars(self), "_began": seconds}))
+
     def _intervene(self, operation: Operation) -> None:
         self._engine.world.intervene(operation)
 
@@ -113,6 +128,14 @@ class Simulation(Intervening):
         summary = self._engine.world.summary(warmup=warmup)
         more = {"engine": "inprocess", "wall_s": perf_counter() - self._began}
         return Result(self.scenario, trace.poses, trace.inputs, trace.ages, trace.measured(), {**summary, **more})
+
+
+def _unpickled(kind: type[Simulation], data: bytes) -> Simulation:
+    """The simulation that `Simulation.__reduce__` made bytes of. Raises EchelonError: a class is missing here."""
+    found = kind.__new__(kind)
+    vars(found).update(loaded(data))
+    found._began = perf_counter() - found._began
+    return found
 
 
 def simulate(

@@ -61,8 +61,8 @@ class Trace:
         self._inputs[k] = inputs
         self._done = k + 1
 
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the rows: these only grow, and `rows` has them."""
+    def without_rows(self) -> dict[str, Any]:
+        """Its state, all but the rows: these only grow, `rows` has them, and `refill` takes them."""
         return {**self.__dict__, **dict.fromkeys(("_poses", "_inputs", "_ages", "_solves"))}
 
     def rows(self, first: int) -> FloatArray:

@@ -1,10 +1,17 @@
 """What users do to the robots of an episode, be it in this process or in a live run."""
 
 from abc import ABC, abstractmethod
+from typing import Any
 
+from api.arguments import plain
 from formation.disturbances import Kind
 from network.control import Operation, operation
 from network.requests import Request
+
+
+def order(name: str, arguments: dict[str, Any]) -> Operation:
+    """The operation with these arguments. Raises EchelonError: one of them is wrong."""
+    return operation(Request(name, plain(arguments)))
 
 
 class Intervening(ABC):
@@ -25,23 +32,23 @@ class Intervening(ABC):
         Raises:
             EchelonError: there is no such robot or kind, or a value is out of range.
         """
-        self._intervene(operation(Request("push", {"robot": robot, "kind": kind, "seconds": seconds})))
+        self._intervene(order("push", {"robot": robot, "kind": kind, "seconds": seconds}))
 
     def move(self, robot: int, dx: float, dy: float) -> None:
         """Take a robot and carry it aside by (dx, dy) [m] within half a second. Raises EchelonError."""
-        self._intervene(operation(Request("move", {"robot": robot, "dx": dx, "dy": dy})))
+        self._intervene(order("move", {"robot": robot, "dx": dx, "dy": dy}))
 
     def release(self, robot: int | None = None) -> None:
         """End what disturbs a robot, or all of them. Raises EchelonError."""
-        self._intervene(operation(Request("release", {"robot": robot})))
+        self._intervene(order("release", {"robot": robot}))
 
     def leave(self, robot: int) -> None:
         """Take a robot out of the ring, which closes over it; it stands until `join`. Raises EchelonError."""
-        self._intervene(operation(Request("leave", {"robot": robot})))
+        self._intervene(order("leave", {"robot": robot}))
 
     def join(self, robot: int) -> None:
         """Take a robot that `leave` took out into the ring again. Raises EchelonError."""
-        self._intervene(operation(Request("join", {"robot": robot})))
+        self._intervene(order("join", {"robot": robot}))
 
     def reshape(
         self, shape: str | None = None, *, spacing: float | None = None, over: float | str | None = None
@@ -56,4 +63,4 @@ class Intervening(ABC):
         Raises:
             EchelonError: this formation cannot take it.
         """
-        self._intervene(operation(Request("shape", {"shape": shape, "spacing": spacing, "over": over})))
+        self._intervene(order("shape", {"shape": shape, "spacing": spacing, "over": over}))

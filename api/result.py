@@ -1,6 +1,7 @@
 """What came of an episode, as arrays with shapes and units."""
 
 import base64
+import glob
 import io
 import json
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from api.arguments import check_folder, unwritable
 from api.table import Table
 from formation.arrays import FloatArray, frozen, timeline
 from formation.errors import EchelonError
@@ -113,11 +115,11 @@ class Result:
         return Table({"t": np.repeat(self.times, n), "robot": robot, **own, **flat})
 
     def to_csv(self, file: str | Path) -> Path:
-        """Write `table()` as CSV."""
+        """Write `table()` as CSV. Raises EchelonError: the file cannot be written."""
         return self.table().to_csv(file)
 
     def to_parquet(self, file: str | Path) -> Path:
-        """Write `table()` as Parquet, from which `echelon.read` makes the same result."""
+        """Write `table()` as Parquet, from which `echelon.read` makes the same result. Raises EchelonError likewise."""
         kept = {"scenario": json.loads(self.scenario.model_dump_json(exclude_unset=True)), "summary": self._summary}
         arrays = {"ages": self.ages, "tracking": self.tracking_errors, "centre": self.centre}
         return self.table().to_parquet(
@@ -132,13 +134,19 @@ class Result:
 
         Returns:
             The matplotlib Figure.
+
+        Raises:
+            EchelonError: the file cannot be written, or the suffix names no format.
         """
         from experiments.report.episode import draw  # noqa: PLC0415  matplotlib
 
         found = self._summary.get("excursions", ())
         drawn = draw(self.scenario, self.times, self.poses, self.centre, self.distance_errors, self.angle_errors, found)
         if file is not None:
-            drawn.savefig(file)
+            try:
+                drawn.savefig(check_folder(file))
+            except (OSError, ValueError) as error:
+                raise unwritable(file, error) from None
         return drawn
 
     def _repr_html_(self) -> str:
@@ -178,6 +186,8 @@ def read(file: str | Path, *, episode: int = -1) -> Result:
 
         found = repeat(load(Path(file)), episode)
         return Result(found.scenario, found.poses, found.inputs, found.ages, found.errors, found.summary)
+    if not Path(file).is_file():
+        raise EchelonError(f"{file}: expected a file of Result.to_parquet; there is none")
     return _read_parquet(str(file))
 
 
@@ -186,10 +196,11 @@ def _read_parquet(name: str) -> Result:
     import duckdb  # noqa: PLC0415  a quarter of a second
 
     try:
-        pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [name]).fetchall())
+        one = glob.escape(name)  # DuckDB takes a pattern
+        pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [one]).fetchall())
         kept = json.loads(pairs[ABOUT.encode()])
         wanted = ", ".join(column for columns in COLUMNS.values() for column in columns)
-        columns = duckdb.execute(f"SELECT {wanted} FROM read_parquet(?)", [name]).fetchnumpy()
+        columns = duckdb.execute(f"SELECT {wanted} FROM read_parquet(?)", [one]).fetchnumpy()
         ages, tracking, centre = (_array(kept[key]) for key in ("ages", "tracking", "centre"))
     except (duckdb.Error, KeyError, ValueError) as error:
         why = f"it has no {error}" if isinstance(error, KeyError) else str(error).splitlines()[0]

@@ -12,7 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from api.intervening import Intervening
+from api.arguments import time_of
+from api.intervening import Intervening, order
 from api.result import Result
 from api.scenarios import load, tell
 from formation.arrays import FloatArray
@@ -23,7 +24,7 @@ from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
 from network.messages import State
-from network.requests import Request, Setup, TraceRows
+from network.requests import Setup, TraceRows
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
 from runtime.run_registry import free_name
@@ -93,9 +94,10 @@ class Run(Intervening):
         """Wait until a simulated time [s], or for the end of the scenario.
 
         Raises:
-            EchelonError: the run ends before.
+            EchelonError: the run ends before, or that is no time.
         """
         duration = self.scenario.duration
+        until = None if until is None else time_of("until", until)
         if until is not None and until > duration + 1e-9:
             raise EchelonError(f"until: expected at most the duration of {duration:g} s; got {until:g}")
         with self._changed:
@@ -118,7 +120,7 @@ class Run(Intervening):
         Raises:
             EchelonError: there is no such link or key, or a value is out of range.
         """
-        self._ask(control.operation(Request("fault", {"link": str(link), "changes": changes, "seconds": seconds})))
+        self._ask(order("fault", {"link": str(link), "changes": changes, "seconds": seconds}))
 
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
@@ -135,11 +137,11 @@ class Run(Intervening):
         Raises:
             EchelonError: the path is of another kind, or a number is out of range.
         """
-        self._ask(control.operation(Request("drive", {"v": v, "omega": omega, "seconds": seconds})))
+        self._ask(order("drive", {"v": v, "omega": omega, "seconds": seconds}))
 
     def go_to(self, x: float, y: float) -> None:
         """Drive the centre of such a formation to a point [m], and stop there. Raises EchelonError."""
-        self._ask(control.operation(Request("goto", {"x": x, "y": y})))
+        self._ask(order("goto", {"x": x, "y": y}))
 
     def start(self) -> None:
         """Start, or continue."""
@@ -151,6 +153,7 @@ class Run(Intervening):
 
     def result(self, *, warmup: float = 0.0) -> Result:
         """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
+        warmup = time_of("warmup", warmup)
         for _ in range(TRIES):
             setup = self._setup()
             summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
@@ -227,7 +230,7 @@ _numbers = itertools.count(1)
 
 
 def launch(
-    scenario: str | Scenario = "triangle-circle",
+    scenario: str | os.PathLike[str] | Scenario = "triangle-circle",
     overrides: Mapping[str, Any] | None = None,
     *,
     page: bool = True,
@@ -262,6 +265,7 @@ def launch(
     name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:
         speed = 0.0 if realtime is False and not page else 1.0
+    order("speed", {"speed": speed})  # refused here, where there is a caller to tell
     live = LiveRun(
         name,
         whole,

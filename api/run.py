@@ -27,6 +27,7 @@ from network.messages import State
 from network.requests import Setup, TraceRows
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
+from runtime.own_code import check_main
 from runtime.run_registry import free_name
 from world.measures.trace import Errors
 
@@ -261,6 +262,7 @@ def launch(
         >>> result.poses.shape
         (201, 3, 3)
     """
+    check_main("launch")
     whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
     name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:

@@ -15,6 +15,9 @@ from formation.validation import shown
 from runtime.precompile import ensure_compiled
 from runtime.user_code import named
 
+_loading: set[str] = set()
+"""Code of callers' own that is being loaded now."""
+
 
 def load(
     scenario: str | os.PathLike[str] | Scenario = "triangle-circle",
@@ -91,8 +94,16 @@ def name_of(code: str | type, kind: Any) -> str:
         raise ScenarioError(f"{kind}: expected a name, FILE.py:CLASS or a class; got {shown(code)}")
     if not names_code(code, kind):
         return code
+    if code in _loading:
+        raise ScenarioError(
+            f'{kind}: expected a file that does its work below `if __name__ == "__main__":`; {code} loads itself'
+        )
     ensure_compiled(tell)
-    return named(code, kind)
+    _loading.add(code)
+    try:
+        return named(code, kind)
+    finally:
+        _loading.discard(code)
 
 
 def tell(line: str) -> None:

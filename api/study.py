@@ -17,6 +17,7 @@ from experiments.trials.result import result_of
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from formation.validation import shown
+from runtime.own_code import check_main
 
 MEASURES = ("distance_rms_m", "distance_max_m", "tracking_rms_m")
 """What is measured unless the caller names measures."""
@@ -36,7 +37,7 @@ def study(
     workers: int | None = None,
     cluster: str | None = None,
 ) -> Table:
-    """Simulate a grid of trials. A script calls it below `if __name__ == "__main__":`, for workers import the script.
+    """Simulate a grid of trials.
 
     Args:
         scenario: as in `load`.
@@ -65,6 +66,7 @@ def study(
         >>> table.columns[:4], len(table)
         (['trial', 'scenario', 'link_latency', 'seed'], 4)
     """
+    check_main("study")
     _check(grid, measures)
     workers = None if workers is None else whole("workers", workers, 1)
     base = load(scenario, overrides, controller=controller, bodies=bodies)

@@ -1,6 +1,7 @@
 """What came of an episode, as arrays with shapes and units."""
 
 import base64
+import glob
 import io
 import json
 from collections.abc import Mapping
@@ -10,15 +11,23 @@ from typing import Any
 
 import numpy as np
 
+from api.arguments import check_folder, unwritable
 from api.table import Table
 from formation.arrays import FloatArray, frozen, timeline
 from formation.errors import EchelonError
-from formation.metrics import pattern_errors, tracking_error
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
+from world.measures.trace import Errors
 
 ABOUT = "echelon"
-"""Key of a Parquet file under which scenario and summary are kept."""
+"""Key of a Parquet file under which scenario, summary and what has no column are kept."""
+COLUMNS = {
+    "poses": ("x", "y", "theta"),
+    "inputs": ("v", "omega"),
+    "distance": ("distance_error_m",),
+    "angle": ("angle_error_rad",),
+}
+"""Of the same file, by array."""
 
 
 class Result:
@@ -39,6 +48,7 @@ class Result:
         poses: FloatArray,
         inputs: FloatArray,
         ages: FloatArray,
+        errors: Errors,
         summary: Mapping[str, Any],
     ) -> None:
         """Of a scenario's episode; arrays as of the properties."""
@@ -50,6 +60,7 @@ class Result:
         """(T, n, 2) commands that the bodies got [m/s, rad/s]."""
         self.ages: FloatArray = frozen(ages)
         """(T, n) age of the plan that each robot acted on [s]; NaN without an answer."""
+        self._errors = Errors(*map(frozen, errors))
         self._summary = dict(summary)
 
     @cached_property
@@ -57,26 +68,25 @@ class Result:
         """(T + 1,) of `poses` [s]."""
         return timeline(0, len(self.poses), self.scenario.control_interval)
 
-    @cached_property
-    def _errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        reference = self.scenario.reference()
-        distance, angle = pattern_errors(self.poses, reference.positions(self.times))
-        return distance, angle, tracking_error(self.poses, reference.centre(self.times))
-
     @property
     def distance_errors(self) -> FloatArray:
-        """(T + 1, n) distance of each robot and its upstream neighbour, less what it should be [m]."""
-        return self._errors[0]
+        """(T + 1, n) distance of each robot and its upstream neighbour, less what it should be [m]; NaN while away."""
+        return self._errors.distance
 
     @property
     def angle_errors(self) -> FloatArray:
-        """(T + 1, n) direction from each robot to its upstream neighbour, less what it should be [rad]."""
-        return self._errors[1]
+        """(T + 1, n) direction from each robot to its upstream one, less what it should be [rad]; NaN while away."""
+        return self._errors.angle
 
     @property
     def tracking_errors(self) -> FloatArray:
-        """(T + 1,) distance of the robots' mean position to the path's point [m]."""
-        return self._errors[2]
+        """(T + 1,) distance of the mean position of the robots in the ring to where it should be [m]."""
+        return self._errors.tracking
+
+    @property
+    def centre(self) -> FloatArray:
+        """(T + 1, 2) where the formation's centre should be [m]."""
+        return self._errors.centre
 
     @property
     def trajectory_sha256(self) -> str:
@@ -105,14 +115,16 @@ class Result:
         return Table({"t": np.repeat(self.times, n), "robot": robot, **own, **flat})
 
     def to_csv(self, file: str | Path) -> Path:
-        """Write `table()` as CSV."""
+        """Write `table()` as CSV. Raises EchelonError: the file cannot be written."""
         return self.table().to_csv(file)
 
     def to_parquet(self, file: str | Path) -> Path:
-        """Write `table()` as Parquet, from which `echelon.read` makes the same result."""
+        """Write `table()` as Parquet, from which `echelon.read` makes the same result. Raises EchelonError likewise."""
         kept = {"scenario": json.loads(self.scenario.model_dump_json(exclude_unset=True)), "summary": self._summary}
-        ages = base64.b64encode(self.ages.astype("<f8").tobytes()).decode()
-        return self.table().to_parquet(file, {ABOUT: json.dumps({**kept, "ages": ages})})
+        arrays = {"ages": self.ages, "tracking": self.tracking_errors, "centre": self.centre}
+        return self.table().to_parquet(
+            file, {ABOUT: json.dumps({**kept, **{name: _text(values) for name, values in arrays.items()}})}
+        )
 
     def plot(self, file: str | Path | None = None) -> Any:
         """Draw the ways of the robots and the pattern errors, excursions shaded.
@@ -122,13 +134,19 @@ class Result:
 
         Returns:
             The matplotlib Figure.
+
+        Raises:
+            EchelonError: the file cannot be written, or the suffix names no format.
         """
         from experiments.report.episode import draw  # noqa: PLC0415  matplotlib
 
         found = self._summary.get("excursions", ())
-        drawn = draw(self.scenario, self.times, self.poses, self.distance_errors, self.angle_errors, found)
+        drawn = draw(self.scenario, self.times, self.poses, self.centre, self.distance_errors, self.angle_errors, found)
         if file is not None:
-            drawn.savefig(file)
+            try:
+                drawn.savefig(check_folder(file))
+            except (OSError, ValueError) as error:
+                raise unwritable(file, error) from None
         return drawn
 
     def _repr_html_(self) -> str:
@@ -167,7 +185,9 @@ def read(file: str | Path, *, episode: int = -1) -> Result:
         from runtime.repetition import repeat  # noqa: PLC0415  numba
 
         found = repeat(load(Path(file)), episode)
-        return Result(found.scenario, found.poses, found.inputs, found.ages, found.summary)
+        return Result(found.scenario, found.poses, found.inputs, found.ages, found.errors, found.summary)
+    if not Path(file).is_file():
+        raise EchelonError(f"{file}: expected a file of Result.to_parquet; there is none")
     return _read_parquet(str(file))
 
 
@@ -176,16 +196,28 @@ def _read_parquet(name: str) -> Result:
     import duckdb  # noqa: PLC0415  a quarter of a second
 
     try:
-        pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [name]).fetchall())
+        one = glob.escape(name)  # DuckDB takes a pattern
+        pairs = dict(duckdb.execute("SELECT key, value FROM parquet_kv_metadata(?)", [one]).fetchall())
         kept = json.loads(pairs[ABOUT.encode()])
-        columns = duckdb.execute("SELECT x, y, theta, v, omega FROM read_parquet(?)", [name]).fetchnumpy()
+        wanted = ", ".join(column for columns in COLUMNS.values() for column in columns)
+        columns = duckdb.execute(f"SELECT {wanted} FROM read_parquet(?)", [one]).fetchnumpy()
+        ages, tracking, centre = (_array(kept[key]) for key in ("ages", "tracking", "centre"))
     except (duckdb.Error, KeyError, ValueError) as error:
-        raise EchelonError(f"{name}: expected a file of Result.to_parquet; {str(error).splitlines()[0]}") from None
+        why = f"it has no {error}" if isinstance(error, KeyError) else str(error).splitlines()[0]
+        raise EchelonError(f"{name}: expected a file of Result.to_parquet of this version; {why}") from None
     scenario = parse(kept["scenario"], where=name)
-    poses = np.stack([np.asarray(columns[key]) for key in ("x", "y", "theta")], axis=1)
-    inputs = np.stack([np.ma.filled(columns[key], np.nan) for key in ("v", "omega")], axis=1)
     n = scenario.size
-    ages = np.frombuffer(base64.b64decode(kept["ages"]), dtype="<f8")
-    return Result(
-        scenario, poses.reshape(-1, n, 3), inputs.reshape(-1, n, 2)[:-1], ages.reshape(-1, n), kept["summary"]
+    poses, inputs, distance, angle = (
+        np.stack([np.ma.filled(columns[column], np.nan) for column in group], axis=1).reshape(-1, n, len(group))
+        for group in COLUMNS.values()
     )
+    errors = Errors(distance[..., 0], angle[..., 0], tracking, centre.reshape(-1, 2))
+    return Result(scenario, poses, inputs[:-1], ages.reshape(-1, n), errors, kept["summary"])
+
+
+def _text(values: FloatArray) -> str:
+    return base64.b64encode(values.astype("<f8").tobytes()).decode()
+
+
+def _array(text: str) -> FloatArray:
+    return np.frombuffer(base64.b64decode(text), dtype="<f8")

@@ -2,6 +2,7 @@
 
 import atexit
 import itertools
+import json
 import os
 import socket
 import threading
@@ -11,24 +12,31 @@ from typing import Any, Self
 
 import numpy as np
 
-from api.intervening import Intervening
+from api.arguments import time_of
+from api.intervening import Intervening, order
 from api.result import Result
 from api.scenarios import load, tell
+from formation.arrays import FloatArray
 from formation.errors import EchelonError
 from formation.link_ids import LinkId
+from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
 from network.messages import State
-from network.requests import Request
+from network.requests import Setup, TraceRows
 from network.zenoh_bus import ZenohBus
 from runtime.launcher import LiveRun
+from runtime.own_code import check_main
 from runtime.run_registry import free_name
+from world.measures.trace import Errors
 
 LOOPBACK = "127.0.0.1"
 ANSWER_SECONDS = 10.0
 START_SECONDS = 60.0
 """Longest wait for the world's first state [s]."""
+TRIES = 3
+"""For a result of one episode, if others begin while it is fetched."""
 
 
 class Run(Intervening):
@@ -87,9 +95,10 @@ class Run(Intervening):
         """Wait until a simulated time [s], or for the end of the scenario.
 
         Raises:
-            EchelonError: the run ends before.
+            EchelonError: the run ends before, or that is no time.
         """
         duration = self.scenario.duration
+        until = None if until is None else time_of("until", until)
         if until is not None and until > duration + 1e-9:
             raise EchelonError(f"until: expected at most the duration of {duration:g} s; got {until:g}")
         with self._changed:
@@ -101,24 +110,24 @@ class Run(Intervening):
                     raise EchelonError(f"run {self.name}: expected to reach {until or duration:g} s; {self._error}")
                 self._changed.wait(1.0)
 
-    def set_fault(self, link: str | LinkId = "all", *, seconds: float | None = None, **changes: Any) -> None:
+    def set_fault(self, link: str | LinkId = "all", *, seconds: float | str | None = None, **changes: Any) -> None:
         """Set keys of a link's fault from the next tick on.
 
         Args:
             link: such as "1->2" or "world->1"; "all" for every one between robots.
-            seconds: for how long [s]; until further notice, if None.
+            seconds: for how long [s], or text such as "2s"; until further notice, if None.
             changes: keys of [link], such as latency, loss, cut.
 
         Raises:
-            EchelonError: there is no such link or key.
+            EchelonError: there is no such link or key, or a value is out of range.
         """
-        self._ask(control.SetFault(link=str(link), changes=changes, seconds=seconds))
+        self._ask(order("fault", {"link": str(link), "changes": changes, "seconds": seconds}))
 
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
         self._ask(control.Clear(link=str(link)))
 
-    def drive(self, v: float, omega: float, *, seconds: float | None = None) -> None:
+    def drive(self, v: float, omega: float, *, seconds: float | str | None = None) -> None:
         """Order a formation whose path is `driven` a speed [m/s] and a turn rate [rad/s] from the next tick on.
 
         Args:
@@ -129,11 +138,11 @@ class Run(Intervening):
         Raises:
             EchelonError: the path is of another kind, or a number is out of range.
         """
-        self._ask(control.operation(Request("drive", {"v": v, "omega": omega, "seconds": seconds})))
+        self._ask(order("drive", {"v": v, "omega": omega, "seconds": seconds}))
 
     def go_to(self, x: float, y: float) -> None:
         """Drive the centre of such a formation to a point [m], and stop there. Raises EchelonError."""
-        self._ask(control.operation(Request("goto", {"x": x, "y": y})))
+        self._ask(order("goto", {"x": x, "y": y}))
 
     def start(self) -> None:
         """Start, or continue."""
@@ -145,16 +154,42 @@ class Run(Intervening):
 
     def result(self, *, warmup: float = 0.0) -> Result:
         """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
-        parts: list[dict[str, Any]] = []
-        while not parts or parts[-1]["last"] < parts[0]["ticks"]:
-            parts.append(self._ask(control.GetTrace(first=parts[-1]["last"] if parts else 0)))
-        summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
-        n = self.scenario.size
-        arrays = {
-            name: np.frombuffer(b"".join(part[name] for part in parts), dtype="<f8").reshape(shape)
-            for name, shape in (("poses", (-1, n, 3)), ("inputs", (-1, n, 2)), ("ages", (-1, n)))
-        }
-        return Result(self.scenario, summary=summary, **arrays)
+        warmup = time_of("warmup", warmup)
+        for _ in range(TRIES):
+            setup = self._setup()
+            summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
+            arrays = self._rows(setup.episode, summary.get("ticks", 0))
+            if arrays:
+                errors = Errors(*(arrays.pop(name) for name in Errors._fields))
+                return Result(self._scenario_of(setup), errors=errors, summary=summary, **arrays)
+        raise EchelonError(
+            f"run {self.name}: expected an episode that goes on; a new one began {TRIES} times meanwhile"
+        )
+
+    def _rows(self, episode: int, ticks: int) -> dict[str, FloatArray]:
+        """The trace of an episode up to a tick: arrays by name, none if another has begun. Raises EchelonError."""
+        parts: list[dict[str, FloatArray]] = []
+        last = 0
+        while not parts or last < ticks:
+            rows = TraceRows.of(self._ask(control.GetTrace(first=last)))
+            if rows.episode != episode or rows.ticks < ticks:
+                return {}
+            parts.append(rows.arrays(last))
+            last = rows.last
+        whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return {name: values[: ticks + (name not in ("inputs", "ages"))] for name, values in whole.items()}
+
+    def _setup(self) -> Setup:
+        setup = self._bus.setup(timeout=ANSWER_SECONDS)
+        if setup is None:
+            raise self._silent()
+        return setup
+
+    def _scenario_of(self, setup: Setup) -> Scenario:
+        """What the run simulates now: its page may have chosen another scenario."""
+        if setup.scenario == self.scenario.model_dump_json(exclude_unset=True):
+            return self.scenario
+        return parse(json.loads(setup.scenario), where=f"run {self.name}")
 
     def _intervene(self, operation: Operation) -> None:
         self._ask(operation)
@@ -162,10 +197,13 @@ class Run(Intervening):
     def _ask(self, operation: Operation) -> dict[str, Any]:
         reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)
         if reply is None:
-            raise EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
+            raise self._silent()
         if not reply.ok:
             raise EchelonError(reply.reason)
         return reply.value
+
+    def _silent(self) -> EchelonError:
+        return EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
 
     def close(self) -> None:
         """End its processes; nothing is left behind."""
@@ -193,7 +231,7 @@ _numbers = itertools.count(1)
 
 
 def launch(
-    scenario: str | Scenario = "triangle-circle",
+    scenario: str | os.PathLike[str] | Scenario = "triangle-circle",
     overrides: Mapping[str, Any] | None = None,
     *,
     page: bool = True,
@@ -224,10 +262,12 @@ def launch(
         >>> result.poses.shape
         (201, 3, 3)
     """
+    check_main("launch")
     whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
     name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:
         speed = 0.0 if realtime is False and not page else 1.0
+    order("speed", {"speed": speed})  # refused here, where there is a caller to tell
     live = LiveRun(
         name,
         whole,

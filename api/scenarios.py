@@ -1,6 +1,7 @@
 """Scenarios by name, file or value, with nested overrides and code of the caller's own."""
 
 import inspect
+import os
 import sys
 from collections.abc import Mapping
 from typing import Any
@@ -10,12 +11,16 @@ from formation.loading.load import names_code
 from formation.scenario import files
 from formation.scenario.overrides import at_path, merged
 from formation.scenario.scenario import Scenario
+from formation.validation import shown
 from runtime.precompile import ensure_compiled
 from runtime.user_code import named
 
+_loading: set[str] = set()
+"""Code of callers' own that is being loaded now."""
+
 
 def load(
-    scenario: str | Scenario = "triangle-circle",
+    scenario: str | os.PathLike[str] | Scenario = "triangle-circle",
     overrides: Mapping[str, Any] | None = None,
     *,
     controller: str | type | None = None,
@@ -38,18 +43,34 @@ def load(
         >>> scenario.size, scenario.link.latency, scenario.bodies.preset
         (3, 0.3, 'camera')
     """
-    changes = dict(overrides or {})
+    if not isinstance(scenario, str | os.PathLike | Scenario):
+        raise ScenarioError(
+            f"scenario: expected a name, a TOML file or a Scenario; got {shown(scenario)} (nested data comes second, "
+            "as overrides)"
+        )
+    changes = table_of(overrides)
     if isinstance(changes.get("bodies"), str):
         changes["bodies"] = {"preset": changes["bodies"]}
     if controller is not None:
         changes = merged(changes, at_path("controller.name", name_of(controller, "controller")))
     if bodies is not None:
-        own = not isinstance(bodies, str) or names_code(bodies, "bodies")
-        key = "bodies.implementation" if own else "bodies.preset"
-        changes = merged(changes, at_path(key, name_of(bodies, "bodies") if own else bodies))
+        preset = isinstance(bodies, str) and not names_code(bodies, "bodies")
+        key = "bodies.preset" if preset else "bodies.implementation"
+        changes = merged(changes, at_path(key, bodies if preset else name_of(bodies, "bodies")))
     if isinstance(scenario, Scenario):
         return files.parse(scenario.model_dump(mode="json", exclude_unset=True), changes, where=scenario.name)
-    return files.load(scenario, changes)
+    return files.load(os.fspath(scenario), changes)
+
+
+def table_of(overrides: object) -> dict[str, Any]:
+    """Nested data as a table of its own. Raises ScenarioError: it is none."""
+    if overrides is None:
+        return {}
+    if not isinstance(overrides, Mapping):
+        raise ScenarioError(
+            f'overrides: expected nested data such as {{"link": {{"latency": 0.3}}}}; got {shown(overrides)}'
+        )
+    return dict(overrides)
 
 
 def name_of(code: str | type, kind: Any) -> str:
@@ -69,10 +90,20 @@ def name_of(code: str | type, kind: Any) -> str:
                 f"(write it to mine.py and name it mine.py:{code.__name__})"
             )
         code = f"{file}:{code.__qualname__}"
+    if not isinstance(code, str):
+        raise ScenarioError(f"{kind}: expected a name, FILE.py:CLASS or a class; got {shown(code)}")
     if not names_code(code, kind):
         return code
+    if code in _loading:
+        raise ScenarioError(
+            f'{kind}: expected a file that does its work below `if __name__ == "__main__":`; {code} loads itself'
+        )
     ensure_compiled(tell)
-    return named(code, kind)
+    _loading.add(code)
+    try:
+        return named(code, kind)
+    finally:
+        _loading.discard(code)
 
 
 def tell(line: str) -> None:

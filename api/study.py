@@ -1,10 +1,12 @@
 """Many trials at once: a grid of keys and seeds, on all cores or a cluster, as one table."""
 
+import os
 import tempfile
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from api.arguments import whole
 from api.scenarios import load, tell
 from api.table import Table, column
 from experiments.study import grid as grids
@@ -12,14 +14,17 @@ from experiments.study.study import parse
 from experiments.study.table import rows, types
 from experiments.trials.batch import Place, run_batch
 from experiments.trials.result import result_of
+from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
+from formation.validation import shown
+from runtime.own_code import check_main
 
 MEASURES = ("distance_rms_m", "distance_max_m", "tracking_rms_m")
 """What is measured unless the caller names measures."""
 
 
 def study(
-    scenario: str | Scenario = "triangle-circle",
+    scenario: str | os.PathLike[str] | Scenario = "triangle-circle",
     overrides: Mapping[str, Any] | None = None,
     *,
     grid: Mapping[str, Collection[Any]],
@@ -32,7 +37,7 @@ def study(
     workers: int | None = None,
     cluster: str | None = None,
 ) -> Table:
-    """Simulate a grid of trials. A script calls it below `if __name__ == "__main__":`, for workers import the script.
+    """Simulate a grid of trials.
 
     Args:
         scenario: as in `load`.
@@ -61,6 +66,9 @@ def study(
         >>> table.columns[:4], len(table)
         (['trial', 'scenario', 'link_latency', 'seed'], 4)
     """
+    check_main("study")
+    _check(grid, measures)
+    workers = None if workers is None else whole("workers", workers, 1)
     base = load(scenario, overrides, controller=controller, bodies=bodies)
     with tempfile.TemporaryDirectory(prefix="echelon-study-") as temporary:
         file = Path(temporary) / f"{base.name}.json"
@@ -80,6 +88,19 @@ def study(
     results = [result_of(trial, plain) for trial, plain in zip(trials, found, strict=True)]
     table = rows(wanted, trials, results)
     return Table({name: column([row[name] for row in table]) for name in types(wanted)})
+
+
+def _check(grid: object, measures: object) -> None:
+    """Refuse what is no grid, and no list of measures. Raises EchelonError."""
+    if not isinstance(grid, Mapping):
+        raise EchelonError(f'grid: expected values by key, such as {{"link.latency": [0, 0.3]}}; got {shown(grid)}')
+    for key, values in grid.items():
+        if not isinstance(key, str):
+            raise EchelonError(f"grid: expected keys such as link.latency; got {shown(key)}")
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise EchelonError(f"grid: expected values of {key}, such as [0, 0.3]; got {shown(values)}")
+    if isinstance(measures, str) or not isinstance(measures, Iterable):
+        raise EchelonError(f"measures: expected a list of names; got {shown(measures)}")
 
 
 def _axis(key: str, values: Collection[Any]) -> dict[str, Any]:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from api.arguments import check_folder, unwritable
+
 
 class Table:
     """Columns of equal length. `polars.DataFrame(table)`, `pyarrow.table(table)` and pandas 3 take it as it is."""
@@ -38,7 +40,7 @@ class Table:
         return self._query("SELECT * FROM given").__arrow_c_stream__()
 
     def to_csv(self, file: str | Path) -> Path:
-        """Write the table as CSV."""
+        """Write the table as CSV. Raises EchelonError: the file cannot be written."""
         return self._write(file, "FORMAT csv, HEADER")
 
     def to_parquet(self, file: str | Path, about: Mapping[str, str] | None = None) -> Path:
@@ -47,13 +49,22 @@ class Table:
         Args:
             file: where.
             about: text by key, kept with the table.
+
+        Raises:
+            EchelonError: the file cannot be written.
         """
         pairs = ", ".join(f"{key}: '{_quoted(text)}'" for key, text in (about or {}).items())
         return self._write(file, f"FORMAT parquet, COMPRESSION zstd{f', KV_METADATA {{{pairs}}}' if pairs else ''}")
 
     def _write(self, file: str | Path, options: str) -> Path:
-        self._query(f"COPY given TO '{_quoted(str(file))}' ({options})")
-        return Path(file)
+        import duckdb  # noqa: PLC0415  a quarter of a second
+
+        path = check_folder(file)
+        try:
+            self._query(f"COPY given TO '{_quoted(str(file))}' ({options})")
+        except duckdb.Error as error:
+            raise unwritable(file, error) from None
+        return path
 
     def _query(self, text: str) -> Any:
         import duckdb  # noqa: PLC0415  a quarter of a second

@@ -7,7 +7,7 @@ import echelon
 NOISE = {"slip": 0.2, "gyro": 0.2, "position": 0.001, "heading": 0.01}
 STUCK = [{"robot": 2, "at": 2, "until": 4, "drive": 0.0}]
 
-if __name__ == "__main__":  # workers import this file
+if __name__ == "__main__":
     table = echelon.study(
         "triangle-circle",
         {"duration": 6, "noise": NOISE, "disturbances": STUCK, "robots": {"poses": None}},

@@ -17,7 +17,7 @@ from network.values import Intervention
 
 FARTHEST = 1e6
 """Of a goal [m]."""
-TRACE_ROWS = 64_000
+TRACE_ROWS = 40_000
 """Rows of one robot's trace in one reply, at most: 3 MB."""
 
 
@@ -168,7 +168,7 @@ class Orders(OperationModel):
 
 
 class GetTrace(OperationModel):
-    """The reply's value holds rows of the episode's trace as bytes of float64: poses, inputs, ages; and `ticks`."""
+    """The reply's value is a TraceRows: rows of the episode's trace."""
 
     first: Annotated[int, Field(ge=0)] = 0
     """Tick from which on rows are wanted; a reply has TRACE_ROWS of them at most, divided by the number of robots."""

@@ -10,7 +10,7 @@ from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from records.record import Record, RecordedEpisode
 from runtime.verification import check_repeatable, difference_of, shadow_of
-from world.measures.trace import Trace
+from world.measures.trace import Errors, Trace
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +24,8 @@ class Repeated:
     """(T, n, 2) [m/s, rad/s]."""
     ages: FloatArray
     """(T, n) of the plans that were acted on [s]."""
+    errors: Errors
+    """Over (T + 1,) rows, by the slots and the ring of each."""
     summary: dict[str, Any]
 
 
@@ -48,6 +50,8 @@ def repeat(record: Record, number: int = -1, *, warmup: float = 0.0) -> Repeated
     world, last = shadow.world, episode.ticks[-1]
     trace = world.trace = Trace(world.scenario, last, world.reference)
     trace.start(world.plant.poses)
+    if world.away:
+        trace.close_over(world.away)
     for tick in episode.ticks:
         while shadow.k < tick:
             shadow.step()
@@ -56,7 +60,7 @@ def repeat(record: Record, number: int = -1, *, warmup: float = 0.0) -> Repeated
             raise EchelonError(f"{record.path}: expected what was recorded; {difference}")
     shadow.hear_statuses()
     summary = {**world.summary(warmup=warmup), "engine": "record", "wall_s": 0.0}
-    return Repeated(world.scenario, trace.poses, trace.inputs, np.array(trace.ages), summary)
+    return Repeated(world.scenario, trace.poses, trace.inputs, np.array(trace.ages), trace.measured(), summary)
 
 
 def _check_whole(record: Record, episode: RecordedEpisode) -> None:

@@ -16,6 +16,7 @@ from formation.errors import EchelonError
 from network.access.robot_numbers import spelled
 from network.lifetime import TERMINATED
 from runtime import fork_server
+from runtime.own_code import without_main
 from runtime.process_list import Program
 
 STOP_SECONDS = 3.0
@@ -54,7 +55,10 @@ class Supervisor:
             process = self._context.Process(
                 target=_enter, args=(program.module, program.arguments, f"echelon {self._run}: {program.name}")
             )
-            with fork_server.held_signals():  # a process that is started is known, or nobody would end it
+            with (
+                without_main(),
+                fork_server.held_signals(),
+            ):  # a process that is started is known, or nobody would end it
                 process.start()
                 self._running[program] = process
 

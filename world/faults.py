@@ -6,10 +6,14 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
+from pydantic import ValidationError
+
 from formation.errors import FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, with_changes
 from formation.link_ids import LinkId, every_link, links_named, plan_links
 from formation.scenario.scenario import Scenario
+from formation.schema import Duration, Model
+from formation.validation import problems
 
 KEPT_CHANGES = 5000
 """Fault tables that are kept of an episode, for a ghost that repeats it."""
@@ -17,6 +21,12 @@ TOLD_CHANGES = 25
 """Tables in one reply, at most ..."""
 TOLD_FAULTS = 8192
 """... and faults in them, unless there is one table: it fits into a message even if all links have every key set."""
+
+
+class _Until(Model):
+    """When a fault ends."""
+
+    until: Duration | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,16 +103,24 @@ class FaultState:
             table[wish.link] = with_changes(table.get(wish.link, PERFECT), wish.changes)
         return {link: fault for link, fault in table.items() if fault != PERFECT}
 
-    def change(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
-        """Set keys of a link's fault (or of the whole ring's, "all") on top of what it has, until a time.
+    def change(self, link: str, changes: Mapping[str, Any], until: float | str | None, now: float) -> None:
+        """Set keys of a link's fault (or of the whole ring's, "all") on top of what it has.
+
+        Args:
+            link: one, or "all".
+            changes: keys of a Fault.
+            until: simulated time at which it ends [s], a number or text such as "2s"; None for never.
+            now: simulated time [s].
 
         Raises:
-            FaultError: no such link, an unknown key, or a value out of range; then nothing has changed.
+            FaultError: no such link, an unknown key, a value out of range, or an end that is none or not later than
+                now; then nothing has changed.
         """
+        end = _end(until, now)
         links = self._named(link)
         for name in links:
             with_changes(self.table.get(name, PERFECT), changes)
-        self._wishes = [*self._wishes, *(_Wish(name, dict(changes), until) for name in links)]
+        self._wishes = [*self._wishes, *(_Wish(name, dict(changes), end) for name in links)]
         self._merge()
         self._active = None
 
@@ -164,6 +182,17 @@ class FaultState:
         self._active = None
         self._history.clear()
         self.changes = 0
+
+
+def _end(until: float | str | None, now: float) -> float | None:
+    """The time at which a fault ends [s], checked. Raises FaultError."""
+    try:
+        end = _Until.model_validate({"until": until}).until
+    except ValidationError as error:
+        raise FaultError("; ".join(problems(error, _Until))) from None
+    if end is not None and not now < end - 1e-9:
+        raise FaultError(f"until: expected a simulated time later than now, {now:g} s; got {end:g}")
+    return end
 
 
 def _on(entry: ScheduledFault, now: float) -> bool:

@@ -13,6 +13,7 @@ from formation.scenario.scenario import Scenario
 from network import control
 from network.control import Operation
 from network.interventions import Join, Leave, Move, Push, Release, Reshape
+from network.requests import TraceRows, packed
 from network.stretch import Recording
 from network.values import RecordWish, RunStatus
 from world.driver import Driver
@@ -174,10 +175,19 @@ class RunControl:
         if trace is None:
             raise EchelonError("expected an episode of known length; got an endless one, of which no trace is kept")
         last = min(len(trace.inputs), first + max(1, control.TRACE_ROWS // self._world.scenario.size))
-        poses = trace.poses[first + 1 if first else 0 : last + 1]
-        arrays = {"poses": poses, "inputs": trace.inputs[first:last], "ages": trace.ages[first:last]}
-        packed = {name: values.astype("<f8").tobytes() for name, values in arrays.items()}
-        return {"ticks": len(trace.inputs), "last": last, **packed}
+        begin = first + 1 if first else 0
+        errors = trace.measured(begin, last + 1)
+        rows = TraceRows(
+            episode=self._world.episode,
+            robots=self._world.scenario.size,
+            ticks=len(trace.inputs),
+            last=last,
+            poses=packed(trace.poses[begin : last + 1]),
+            inputs=packed(trace.inputs[first:last]),
+            ages=packed(trace.ages[first:last]),
+            **{name: packed(values) for name, values in errors._asdict().items()},
+        )
+        return rows.model_dump()
 
     def _orders_since(self, tables: int, drives: int, interventions: int) -> dict[str, Any]:
         world = self._world

@@ -126,9 +126,9 @@ class World(Episode):
         text = f"the world was lost: segment {len(self.resumed) + 1} goes on from here, every agent begins anew"
         self.event("run", text, "warning")
 
-    def change_fault(self, link: str, changes: Mapping[str, Any], until: float | None) -> None:
-        """Set keys of a fault from the next tick on. Raises FaultError."""
-        self.faults.change(link, changes, until)
+    def change_fault(self, link: str, changes: Mapping[str, Any], until: float | str | None) -> None:
+        """Set keys of a fault from the next tick on, until a simulated time [s] or for good. Raises FaultError."""
+        self.faults.change(link, changes, until, self.now)
         self._apply_faults()
 
     def clear_faults(self, link: str) -> None:
@@ -145,6 +145,8 @@ class World(Episode):
         """Do something to the robots: push, move, release, reshape. Raises EchelonError."""
         match operation:
             case Push(robot=robot, kind=kind, seconds=seconds):
+                if seconds is not None and not self.now < self.now + seconds - 1e-9:
+                    raise EchelonError(f"seconds: expected some time, for it to act at all; got {seconds:g}")
                 self.push(pushed(robot, kind, self.now, seconds))
             case Move(robot=robot, dx=dx, dy=dy):
                 self.push(displacement(robot, dx, dy, self.now, self.scenario.control_interval))

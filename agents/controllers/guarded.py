@@ -82,6 +82,8 @@ class Guarded:
         return Solution(inputs, converged=bool(solution.converged), motion=motion)
 
     def _array(self, name: str, given: Any) -> FloatArray:
+        if np.iscomplexobj(given := np.asarray(given)):
+            raise ControllerFailedError(f"expected real {name}; got complex numbers{self._place}")
         array: FloatArray = np.array(given, dtype=float)
         shape = (self._task.horizon, 2)
         if array.shape != shape:

@@ -20,6 +20,7 @@ def draw(
     scenario: Scenario,
     times: FloatArray,
     poses: FloatArray,
+    centre: FloatArray,
     distance: FloatArray,
     angle: FloatArray,
     excursions: Sequence[Mapping[str, Any]] = (),
@@ -30,16 +31,16 @@ def draw(
         scenario: of the episode.
         times: (T + 1,) [s].
         poses: (T + 1, n, 3) [m, m, rad].
-        distance: (T + 1, n) l_e [m].
-        angle: (T + 1, n) psi_e [rad].
+        centre: (T + 1, 2) where the formation's centre should be [m].
+        distance: (T + 1, n) l_e [m]; NaN is not drawn.
+        angle: (T + 1, n) psi_e [rad]; NaN likewise.
         excursions: of the summary; each is shaded in the plot of the distance error, in its robot's colour.
     """
     rows = slice(None, None, max(1, len(times) // DRAWN))
     with style.styled():
         figure = style.figure(3.2)
         ways, errors, angles = figure.subplots(1, 3)
-        centre = scenario.reference().centre(times[rows])
-        ways.plot(*centre.T[:2], color=style.GREY, linewidth=0.8, linestyle=":")
+        ways.plot(*centre[rows].T, color=style.GREY, linewidth=0.8, linestyle=":")
         for i in range(scenario.size):
             colour = style.PALETTE[i % len(style.PALETTE)]
             ways.plot(*poses[rows, i, :2].T, color=colour, linewidth=0.9, label=f"robot {i + 1}")

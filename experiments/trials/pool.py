@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from experiments.trials.journal import Journal
 from formation.errors import EchelonError
-from runtime.own_code import own_code
+from runtime.own_code import own_code, without_main
 
 CONNECT_SECONDS = "10s"
 DASK_VERSION = "2026.8.0"
@@ -98,7 +98,7 @@ def local(workers: int) -> Pool:
         before = set(active_children())
         pool = ProcessPoolExecutor(min(workers, len(work)), get_context("spawn"), initializer=_follow_the_launcher)
         try:
-            with _interrupts_ignored(), own_code():
+            with _interrupts_ignored(), own_code(), without_main():
                 of = {pool.submit(_run, piece): piece for piece in work}
             for future in as_completed(of):
                 try:

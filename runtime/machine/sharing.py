@@ -6,6 +6,7 @@ from multiprocessing.connection import Connection
 from formation.errors import EchelonError
 from runtime import fork_server
 from runtime.machine.capacity import Capacity, cores, measured
+from runtime.own_code import without_main
 
 SURE = 4
 """Agents per core that any machine bears with a process each: fewer are not worth a second of measuring."""
@@ -51,7 +52,7 @@ def _measured_aside() -> Capacity:
     ours, theirs = fork_server.context().Pipe(duplex=False)
     fork_server.start()
     process = fork_server.context().Process(target=_measure, args=(theirs,))
-    with fork_server.held_signals():
+    with without_main(), fork_server.held_signals():
         process.start()
     theirs.close()
     try:

@@ -43,6 +43,8 @@ def test_a_run_that_ends_before_is_an_error_and_so_is_a_time_beyond_the_end(runs
             run.wait(until=61.0)
         with pytest.raises(echelon.EchelonError, match="unknown key"):
             run.set_fault("1->2", latancy=1)
+        with pytest.raises(echelon.EchelonError, match="seconds: expected a time such as 300ms"):
+            run.set_fault("1->2", seconds="x", latency=1)
         run.wait(until=0.5)
         run._ask(importlib.import_module("network.control").Stop())
         with pytest.raises(echelon.EchelonError, match="expected to reach 60 s; it was stopped"):

@@ -222,7 +222,7 @@ def test_later_layers_win_key_by_key() -> None:
     assert faults.table[LinkId(2, 3)] == Fault(latency=0.2)
     faults.update(2.0)
     assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, loss=0.5, jitter=0.1)
-    faults.change("1->2", {"loss": 0.1}, None)
+    faults.change("1->2", {"loss": 0.1}, None, 0.0)
     faults.update(2.0)
     assert faults.table[LinkId(1, 2)] == Fault(latency=0.2, loss=0.1, jitter=0.1)
 
@@ -233,7 +233,7 @@ def test_the_scenarios_link_holds_for_the_ring_and_not_for_poses_and_commands() 
 
 def test_what_a_person_sets_ends_at_its_time() -> None:
     faults = state(latency=0.2)
-    faults.change("all", {"cut": True}, 5.0)
+    faults.change("all", {"cut": True}, 5.0, 0.0)
     faults.update(4.99)
     assert all(fault.cut for fault in faults.table.values())
     faults.update(5.0)
@@ -242,15 +242,15 @@ def test_what_a_person_sets_ends_at_its_time() -> None:
 
 def test_a_second_change_adds_to_the_first() -> None:
     faults = state()
-    faults.change("1->2", {"latency": "300ms"}, None)
-    faults.change("1->2", {"loss": "30%"}, None)
+    faults.change("1->2", {"latency": "300ms"}, None, 0.0)
+    faults.change("1->2", {"loss": "30%"}, None, 0.0)
     faults.update(0.0)
     assert faults.table == {LinkId(1, 2): Fault(latency=0.3, loss=0.3)}
 
 
 def test_a_change_back_to_healthy_takes_the_link_from_the_table() -> None:
     faults = state(latency=0.2)
-    faults.change("1->2", {"latency": 0}, None)
+    faults.change("1->2", {"latency": 0}, None, 0.0)
     faults.update(0.0)
     assert set(faults.table) == {LinkId(2, 3), LinkId(3, 1)}
 
@@ -260,17 +260,48 @@ def test_a_wrong_change_changes_nothing(link: Any, changes: Any) -> None:
     faults = state(latency=0.2)
     before = dict(faults.table)
     with pytest.raises(FaultError):
-        faults.change(link, changes, None)
+        faults.change(link, changes, None, 0.0)
     assert faults.update(0.0) == []
     assert faults.table == before
+
+
+@pytest.mark.parametrize(
+    ("until", "line"),
+    [
+        ("2x", "until: expected a time such as 300ms"),
+        (float("nan"), "until: expected a finite number"),
+        (float("inf"), "until: expected a finite number"),
+        ([3.0], "until: expected number"),
+        (0.5, "until: expected a simulated time later than now, 1 s; got 0.5"),
+        ("1s", "later than now"),
+        (1.0 + 1e-10, "later than now"),
+        (1e12, "until: expected at most 1e"),
+    ],
+)
+def test_an_end_that_is_none_or_over_is_refused_and_changes_nothing(until: Any, line: str) -> None:
+    faults = state(latency=0.2)
+    before = dict(faults.table)
+    with pytest.raises(FaultError, match=line):
+        faults.change("1->2", {"cut": True}, until, 1.0)
+    assert faults.update(1.0) == []
+    assert faults.table == before
+
+
+def test_an_end_may_be_written_with_its_unit() -> None:
+    faults = state()
+    faults.change("1->2", {"cut": True}, "2000ms", 1.0)
+    faults.update(1.99)
+    assert faults.table == {LinkId(1, 2): Fault(cut=True)}
+    faults.update(2.0)
+    assert not faults.table
 
 
 def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on() -> None:
     later = {"at": 9.0, "link": "1->2", "jitter": 0.1}
     faults = state({"at": 1.0, "link": "1->2", "loss": 0.5}, later, latency=0.2)
     faults.update(1.0)
-    faults.change("1->2", {"cut": True}, None)
-    faults.change("2->3", {"cut": True}, None)
+    faults.change("1->2", {"cut": True}, None, 0.0)
+    faults.change("2->3", {"cut": True}, None, 0.0)
     faults.update(1.0)
     faults.clear("1->2", 2.0)
     faults.update(2.0)
@@ -285,8 +316,8 @@ def test_clearing_takes_back_what_people_set_and_ends_what_the_schedule_has_on()
 
 def test_clearing_all_takes_back_what_people_set_on_poses_and_commands_too() -> None:
     faults = state()
-    faults.change("world->1", {"cut": True}, None)
-    faults.change("2->world", {"cut": True}, None)
+    faults.change("world->1", {"cut": True}, None, 0.0)
+    faults.change("2->world", {"cut": True}, None, 0.0)
     faults.update(0.0)
     assert len(faults.table) == 2
     faults.clear("all", 0.0)
@@ -302,8 +333,8 @@ def test_clearing_an_unknown_link_is_an_error() -> None:
 def test_a_restart_makes_the_schedule_whole_and_keeps_what_people_set_without_an_end() -> None:
     faults = state({"at": 1.0, "until": 3.0, "link": "1->2", "loss": 0.5})
     faults.update(1.0)
-    faults.change("2->3", {"latency": 0.1}, None)
-    faults.change("3->1", {"cut": True}, 100.0)
+    faults.change("2->3", {"latency": 0.1}, None, 0.0)
+    faults.change("3->1", {"cut": True}, 100.0, 0.0)
     faults.clear("1->2", 1.5)
     faults.update(1.5)
     assert set(faults.table) == {LinkId(2, 3), LinkId(3, 1)}

@@ -71,7 +71,10 @@ class OwnBodies:
         return self._array("poses", self._call(lambda: self._own.poses), 3)
 
     def _array(self, name: str, values: ArrayLike, columns: int) -> FloatArray:
-        array = frozen(self._call(lambda: np.asarray(values, dtype=float)))
+        given = self._call(lambda: np.asarray(values))
+        if np.iscomplexobj(given):
+            raise self._error(f"expected real {name}; got complex numbers")
+        array = frozen(self._call(lambda: given.astype(float)))
         if array.shape != (self._size, columns) or not np.isfinite(array).all():
             finite = "finite " if array.shape == (self._size, columns) else ""
             raise self._error(f"expected {finite}{name} of shape {(self._size, columns)}; got {array.tolist()!r:.80}")

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,19 @@ from network.messages import Command
 from network.values import Event, LinkCounts
 from world.measures.contacts import AtLimits
 from world.measures.convergence import Convergence
+
+
+class Errors(NamedTuple):
+    """Errors of an episode over time, and where its centre should have been: by the slots and the ring of each tick."""
+
+    distance: FloatArray
+    """(T, n) l_e of each robot and its upstream neighbour in the ring [m]; NaN while the robot is away."""
+    angle: FloatArray
+    """(T, n) psi_e [rad]; NaN likewise."""
+    tracking: FloatArray
+    """(T,) distance of the mean position of those in the ring to where it should be [m]."""
+    centre: FloatArray
+    """(T, 2) the reference p_r, where the formation's centre should be [m]."""
 
 
 class Trace:
@@ -48,8 +61,8 @@ class Trace:
         self._inputs[k] = inputs
         self._done = k + 1
 
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the rows: these only grow, and `rows` has them."""
+    def without_rows(self) -> dict[str, Any]:
+        """Its state, all but the rows: these only grow, `rows` has them, and `refill` takes them."""
         return {**self.__dict__, **dict.fromkeys(("_poses", "_inputs", "_ages", "_solves"))}
 
     def rows(self, first: int) -> FloatArray:
@@ -110,8 +123,15 @@ class Trace:
         """
         return self._errors(0)
 
-    def _errors(self, first: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        t, poses = self.times[first:], self.poses[first:]
+    def measured(self, first: int = 0, stop: int | None = None) -> Errors:
+        """The same of rows `first` to `stop` - 1 (of all), NaN instead of zero, with the reference of the centre."""
+        distance, angle, tracking = self._errors(first, stop)
+        gone = ~self.present[first:stop]
+        distance[gone] = angle[gone] = np.nan
+        return Errors(distance, angle, tracking, self.reference.centre(self.times[first:stop]))
+
+    def _errors(self, first: int, stop: int | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
+        t, poses = self.times[first:stop], self.poses[first:stop]
         slots = self.reference.positions(t)
         distance, angle = pattern_errors(poses, slots)
         tracking = tracking_error(poses, self.reference.centre(t))

@@ -5,6 +5,7 @@ scenario is not in it. A pickle may name the classes of this program, of numpy a
 loaded here, and no other: bytes that were tampered with are refused, they run nothing.
 """
 
+import copyreg
 import io
 import json
 import pickle
@@ -20,6 +21,7 @@ from formation.scenario.scenario import Scenario
 from network.messages import VERSION
 from world.bodies.own import OwnBodies
 from world.bodies.registry import bodies_for
+from world.measures.trace import Trace
 from world.parts import Parts
 
 ROOMS = ("formation.", "network.", "world.")
@@ -60,6 +62,10 @@ class _Pickler(pickle.Pickler):
 
     def persistent_id(self, value: Any) -> str | None:
         return self._known.get(id(value))
+
+    def reducer_override(self, value: Any) -> Any:
+        """Of a trace its rows are left out: they are kept apart (world/resume/saver.py), as far as they are new."""
+        return (copyreg.__newobj__, (Trace,), value.without_rows()) if type(value) is Trace else NotImplemented  # type: ignore[attr-defined]
 
 
 class _Unpickler(pickle.Unpickler):

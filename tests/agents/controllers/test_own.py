@@ -128,6 +128,7 @@ FAILURES = {
     "return Solution(np.zeros((3, 2)))": r"expected inputs of shape \(20, 2\); got \(3, 2\) \(mine.py:8\)",
     "return Solution('x')": r"ValueError: could not convert string to float",
     "return Solution(np.full((20, 2), np.nan))": r"expected finite inputs; got nan \(mine.py:8\)",
+    "return Solution(np.full((20, 2), 0.05 + 0.01j))": r"expected real inputs; got complex numbers \(mine.py:8\)",
     "return Solution(np.full((20, 2), 50.0))": r"expected inputs within 10 times the limits; got 100 times",
     "observation.pose[0] = 1.0": r"ValueError: assignment destination is read-only \(mine.py:9\)",
     "observation.upstream.inputs[0] = 1.0": r"ValueError: assignment destination is read-only \(mine.py:9\)",

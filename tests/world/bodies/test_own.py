@@ -55,6 +55,7 @@ def test_they_move_the_robots(tmp_path: Path, clean: None) -> None:
     [
         ("1 / 0", r"bodies Puck: ZeroDivisionError: division by zero \(puck.py:15\)"),
         ("self.poses = self.poses[:2]", r"bodies Puck: expected poses of shape \(3, 3\)"),
+        ("self.poses = self.poses + 0.1j", "bodies Puck: expected real poses; got complex numbers"),
         ("self.poses[0, 0] = np.nan", "bodies Puck: expected finite poses of shape"),
     ],
 )

@@ -2,9 +2,10 @@
 
 import argparse
 import importlib
+import re
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from cli import program
 
@@ -35,7 +36,12 @@ LIVE = {"up", "join", "invite", "fault", "control", "status"}
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose error message is one line."""
+    """A parser whose error message is one line, and to which a minus and a digit begin a value: no option does so."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        """As argparse's own, which takes -2e-2, -5ms and -5% for options."""
+        super().__init__(*args, **kwargs)
+        self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)")
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and exit with code 2."""

@@ -79,15 +79,20 @@ def record_file(options: argparse.Namespace, name: str) -> Path | None:
         name: of the scenario.
 
     Raises:
-        EchelonError: the file exists, or its folder does not.
+        EchelonError: the file exists, its folder does not, or it cannot be written there.
     """
     if options.record is None:
         return None
     file = Path(options.record or file_name(name)).absolute()
-    if file.exists():
-        raise EchelonError(f"--record: expected the name of a new file; {file} exists")
-    if not file.parent.is_dir():
-        raise EchelonError(f"--record: expected a file in a folder that exists; got {file}")
+    try:
+        file.open("xb").close()  # before the run: its recorder would record nothing
+        file.unlink()
+    except FileExistsError:
+        raise EchelonError(f"--record: expected the name of a new file; {file} exists") from None
+    except OSError as error:
+        if isinstance(error, FileNotFoundError) and not file.parent.is_dir():
+            raise EchelonError(f"--record: expected a file in a folder that exists; got {file}") from None
+        raise EchelonError(f"--record: cannot write {file}: {error.strerror}") from None
     return file
 
 

@@ -123,6 +123,8 @@ def run(options: argparse.Namespace) -> int:
                 shown = max([shown, *(event.number for event in events)])
         except KeyboardInterrupt:
             tell("stopping")
+    if live.record_fault:
+        tell(f"{record} is no whole record: {live.record_fault}")
     return 0
 
 

@@ -212,7 +212,7 @@ def launch(
         paused: wait for `Run.start`.
 
     Raises:
-        EchelonError: the scenario is wrong, or cannot run as processes.
+        EchelonError: the scenario or the speed is wrong, or it cannot run as processes.
 
     Example:
         >>> import echelon
@@ -224,10 +224,11 @@ def launch(
         >>> result.poses.shape
         (201, 3, 3)
     """
-    whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
-    name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:
         speed = 0.0 if realtime is False and not page else 1.0
+    speed = control.checked_speed(speed)
+    whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
+    name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     live = LiveRun(
         name,
         whole,

@@ -113,7 +113,7 @@ def _intervention(options: argparse.Namespace) -> Operation:
     """What is done to the robots."""
     action, wanted = options.action, dict[str, object]()
     if action in ("push", "move") or (action == "release" and options.robot != "all"):
-        wanted["robot"] = _number(action, options.robot.removeprefix("robot-"), int)
+        wanted["robot"] = _number(action, options.robot, int, prefix="robot-")
     match action:
         case "push":
             wanted |= {"kind": options.value, "seconds": options.seconds}
@@ -130,16 +130,13 @@ def _operation(action: str, value: str) -> Operation:
         case "step":
             return control.Step.model_validate({"ticks": _number(action, value, int)})
         case "speed":
-            speed = _number(action, value.removeprefix("x"), float)
-            if not 0.0 <= speed <= 1000.0:
-                raise EchelonError(f"speed: expected 0 (as fast as possible) to 1000; got {value}")
-            return control.Speed(speed=speed)
+            return control.Speed(speed=control.checked_speed(_number(action, value, float, prefix="x")))
         case "scenario":
             return _scenario(value)
         case "controller":
             return control.UseController(controller=value)
         case "kill" | "restart" | "leave" | "join":
-            return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+            return control.operation(Request(action, {"robot": _number(action, value, int, prefix="agent-")}))
         case "record":
             return control.Record(on=value == "on")
         case "compare":
@@ -155,9 +152,10 @@ def _scenario(name: str) -> Operation:
     return use_table(load(name))
 
 
-def _number(action: str, value: str, kind: type[int] | type[float]) -> float:
+def _number(action: str, value: str, kind: type[int] | type[float], *, prefix: str = "") -> float:
+    """A number, which a user may write behind a prefix: x2, agent-3."""
     try:
-        number = kind(value)
+        number = kind(value.removeprefix(prefix))
     except ValueError:
         raise EchelonError(f"{action}: expected a number; got {value!r}") from None
     if action == "step" and not 1 <= number <= 100_000:

@@ -29,3 +29,11 @@ def test_a_minus_and_a_digit_begin_a_value(dx: Any) -> None:
 def test_an_option_takes_such_a_value_too_and_its_bound_is_told(option: Any, value: Any, capsys: Any) -> None:
     assert main(["fault", "set", "--link", "1->2", option, value]) == 2
     assert f"expected at least 0; got {value!r}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", ["speed x", "speed xx", "kill agent-", "leave robot", "push robot- gust", "step x"])
+def test_what_is_no_number_is_shown_as_it_was_written(words: Any, capsys: Any) -> None:
+    """Not as what is left of it without its prefix: of `speed x` that was nothing."""
+    assert main(["control", *words.split()]) == 2
+    action, value = words.split()[:2]
+    assert f"{action}: expected a number; got {value!r}" in capsys.readouterr().err

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from runtime import fork_server
 from runtime.machine import sharing
 from runtime.machine.capacity import Capacity, cores
 from runtime.machine.sharing import SURE, Sharing
@@ -56,8 +57,8 @@ def test_a_ctrl_c_that_comes_while_the_measuring_process_starts_leaves_no_proces
         raise KeyboardInterrupt
 
     before = set(multiprocessing.active_children())
-    sharing.fork_server.start()
-    monkeypatch.setattr(sharing.fork_server, "held_signals", held)
+    fork_server.start()
+    monkeypatch.setattr(fork_server, "held_signals", held)
     with pytest.raises(KeyboardInterrupt):
         sharing._measured_aside()
     assert set(multiprocessing.active_children()) == before

@@ -113,7 +113,7 @@ class Bodies(Model):
     turn_acceleration: Positive | None = None
     """Largest change of omega [rad/s2]; unlimited if absent."""
     delay: Duration = 0.0
-    """From a command's arrival to its effect [s]."""
+    """From a command's arrival to its effect, at most 1000 ticks [s]."""
     scale: NonNegative = 0.0
     """Bound of s_v: a robot drives 1 + s_v times as fast as its wheels say [1]."""
     turn_scale: NonNegative = 0.0

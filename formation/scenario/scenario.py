@@ -115,10 +115,8 @@ class Scenario(Model):
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")
-        try:
-            nominal(self.body, self.control_interval)
-        except ValueError as error:
-            raise ValueError(f"bodies.{error}") from None
+        nominal(self.body, self.control_interval)
+        self.estimator.ticks_late(self.control_interval)
         for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.formation)):
             raise ValueError(line)
         wrong = self.offsets.crowded()

@@ -112,7 +112,8 @@ class Run(Intervening):
         Raises:
             EchelonError: there is no such link or key.
         """
-        self._ask(control.SetFault(link=str(link), changes=changes, seconds=seconds))
+        asked = {"link": str(link), "changes": changes, "seconds": seconds}
+        self._ask(control.operation(Request("fault", asked)))
 
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
@@ -145,10 +146,11 @@ class Run(Intervening):
 
     def result(self, *, warmup: float = 0.0) -> Result:
         """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
+        wanted = control.operation(Request("summary", {"warmup": warmup}))
         parts: list[dict[str, Any]] = []
         while not parts or parts[-1]["last"] < parts[0]["ticks"]:
             parts.append(self._ask(control.GetTrace(first=parts[-1]["last"] if parts else 0)))
-        summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
+        summary = {**self._ask(wanted), "engine": "processes"}
         n = self.scenario.size
         arrays = {
             name: np.frombuffer(b"".join(part[name] for part in parts), dtype="<f8").reshape(shape)
@@ -160,6 +162,8 @@ class Run(Intervening):
         self._ask(operation)
 
     def _ask(self, operation: Operation) -> dict[str, Any]:
+        if self._over:
+            raise EchelonError(f"run {self.name}: expected to be asked within its with block; it is over")
         reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)
         if reply is None:
             raise EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")

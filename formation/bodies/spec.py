@@ -153,7 +153,7 @@ class Bodies(Model):
             return raw
         name = raw.get("preset", "ideal")
         if name not in PRESETS:
-            raise ValueError(unknown("preset of bodies", str(name), PRESETS))
+            raise ValueError(unknown("preset", str(name), PRESETS))
         return _merged(PRESETS[name], raw)
 
     @model_validator(mode="after")

@@ -35,7 +35,7 @@ from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
-from formation.schema import Duration, Model, Positive
+from formation.schema import LABEL, Duration, Model, Positive
 from formation.slot_motion import Motion
 from formation.way import HeardReference
 
@@ -48,7 +48,7 @@ MAX_STRIDE = 1000
 class Scenario(Model):
     """The complete description of an episode: it determines every trajectory, seed included."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    name: Annotated[str, Field(pattern=LABEL)]
     """What tables and the page call it: letters and digits, and _ . - between them."""
     source: str = ""
     """Where it comes from."""

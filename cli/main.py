@@ -4,7 +4,8 @@ import argparse
 import importlib
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NoReturn
 
 from cli import program
@@ -42,11 +43,20 @@ class _Parser(argparse.ArgumentParser):
         """As argparse's own, which takes -2e-2, -5ms and -5% for options."""
         super().__init__(*args, **kwargs)
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)")
+        for kind, words in ((int, "a whole number"), (float, "a number")):
+            self.register("type", kind, partial(_number, kind, words))
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and exit with code 2."""
         print(f"{self.prog}: {message} ({self.prog} --help)", file=sys.stderr)
         sys.exit(2)
+
+
+def _number(kind: Callable[[str], float], words: str, text: str) -> float:
+    try:
+        return kind(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected {words}; got {text!r}") from None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

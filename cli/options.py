@@ -15,6 +15,8 @@ from formation.loading.source import Kind
 from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.scenario import Scenario
+from formation.units import seconds
+from formation.validation import shown
 from network.access.keys import LOCAL, OPEN, Keys, common_name, protocol
 from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
@@ -96,6 +98,14 @@ def record_file(options: argparse.Namespace, name: str) -> Path | None:
     return file
 
 
+def time(text: str) -> float:
+    """A time as scenarios have it [s], for argparse. Raises argparse.ArgumentTypeError."""
+    try:
+        return float(seconds(text))  # type: ignore[arg-type]
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Where trials are simulated."""
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one per core)")
@@ -139,7 +149,8 @@ def _faults(name: str) -> list[dict[str, Any]]:
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
     entries = files.read(name).get("faults")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
+        got = "none" if entries is None else shown(entries)
+        raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {got}")
     return entries
 
 

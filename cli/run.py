@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
-from cli.options import add_record, add_scenario, load, record_file, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, tell, time, warn
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from runtime.launcher import LiveRun
@@ -25,7 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_scenario(parser)
     parser.add_argument("--engine", choices=["processes", "inprocess"], default="processes", help="default: processes")
     parser.add_argument("--duration", metavar="T", help="simulated time, such as 40 or 2min")
-    parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
+    parser.add_argument("--warmup", type=time, default=0.0, metavar="T", help="measures start at this simulated time")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
     add_record(parser)
     add_hosting(parser)

@@ -7,8 +7,8 @@ from cli.live.talk import ask
 from cli.options import add_run, session
 from dashboard.scenario_list import use_table
 from formation.disturbances import PUSHES
-from formation.errors import EchelonError
-from formation.scenario.files import is_file, load
+from formation.errors import EchelonError, unknown
+from formation.scenario.files import is_file, load, shipped
 from formation.shapes import SHAPES
 from network import control
 from network.control import Operation
@@ -148,6 +148,8 @@ def _operation(action: str, value: str) -> Operation:
 def _scenario(name: str) -> Operation:
     """A shipped scenario by its name; a file as the table that it holds, for the world reads none."""
     if not is_file(name):
+        if name not in shipped():
+            raise EchelonError(unknown("scenario", name, [*shipped(), "FILE.toml"]))
         return control.UseScenario(scenario=name)
     return use_table(load(name))
 

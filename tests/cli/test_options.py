@@ -24,6 +24,11 @@ def test_faults_that_are_neither_a_preset_nor_a_file_are_refused(name: Any, word
         overrides(argparse.Namespace(faults=name, **NOTHING))
 
 
+def test_a_file_without_faults_is_refused() -> None:
+    with pytest.raises(ScenarioError, match=r"--faults: expected \[\[faults\]\] tables in /dev/null; got none"):
+        overrides(argparse.Namespace(faults="/dev/null", **NOTHING))
+
+
 def test_a_record_is_a_new_file_that_can_be_written(tmp_path: Any) -> None:
     """Known before the run begins: its recorder would be a process that records nothing."""
     new = tmp_path / "new.mcap"

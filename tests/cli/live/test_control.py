@@ -37,3 +37,8 @@ def test_what_is_no_number_is_shown_as_it_was_written(words: Any, capsys: Any) -
     assert main(["control", *words.split()]) == 2
     action, value = words.split()[:2]
     assert f"{action}: expected a number; got {value!r}" in capsys.readouterr().err
+
+
+def test_a_scenario_that_does_not_exist_is_told_that_a_file_would_do(capsys: Any) -> None:
+    assert main(["control", "scenario", "nope"]) == 2
+    assert "triangle-corner, FILE.toml; got 'nope'" in capsys.readouterr().err

@@ -41,7 +41,7 @@ class Run(Intervening):
         """Address of its page; empty without one."""
         self.endpoint = live.endpoint
         """Where its router listens: for a plain Zenoh client in mode "client"; the manual has its messages."""
-        self._live, self._bus = live, ZenohBus(live.endpoint, name)
+        self._live, self._session = live, ZenohBus(live.endpoint, name)
         self._changed = threading.Condition()
         self._over, self._error = False, ""
         self._thread = threading.Thread(target=self._watch, name=f"run {name}", daemon=True)
@@ -59,6 +59,13 @@ class Run(Intervening):
             if not self._changed.wait_for(lambda: self.state is not None or self._error, START_SECONDS) or self._error:
                 reason = self._error or f"it is silent for {START_SECONDS:g} s"
                 raise EchelonError(f"run {self.name}: expected its world to begin; {reason}")
+
+    @property
+    def _bus(self) -> ZenohBus:
+        """What the run is asked over. Raises EchelonError: it is over."""
+        if self._over:
+            raise EchelonError(f"run {self.name}: expected to be asked within its with block; it is over")
+        return self._session
 
     def _watch(self) -> None:
         try:
@@ -112,8 +119,7 @@ class Run(Intervening):
         Raises:
             EchelonError: there is no such link or key.
         """
-        asked = {"link": str(link), "changes": changes, "seconds": seconds}
-        self._ask(control.operation(Request("fault", asked)))
+        self._ask(control.SetFault(link=str(link), changes=changes, seconds=seconds))
 
     def clear_faults(self, link: str | LinkId = "all") -> None:
         """Remove what was set on a link. Raises EchelonError."""
@@ -146,11 +152,10 @@ class Run(Intervening):
 
     def result(self, *, warmup: float = 0.0) -> Result:
         """What has come of the episode so far; measures start at `warmup` [s]. Raises EchelonError."""
-        wanted = control.operation(Request("summary", {"warmup": warmup}))
         parts: list[dict[str, Any]] = []
         while not parts or parts[-1]["last"] < parts[0]["ticks"]:
             parts.append(self._ask(control.GetTrace(first=parts[-1]["last"] if parts else 0)))
-        summary = {**self._ask(wanted), "engine": "processes"}
+        summary = {**self._ask(control.GetSummary(warmup=warmup)), "engine": "processes"}
         n = self.scenario.size
         arrays = {
             name: np.frombuffer(b"".join(part[name] for part in parts), dtype="<f8").reshape(shape)
@@ -162,8 +167,6 @@ class Run(Intervening):
         self._ask(operation)
 
     def _ask(self, operation: Operation) -> dict[str, Any]:
-        if self._over:
-            raise EchelonError(f"run {self.name}: expected to be asked within its with block; it is over")
         reply = self._bus.ask(operation, timeout=ANSWER_SECONDS)
         if reply is None:
             raise EchelonError(f"run {self.name}: expected its world to answer; {self._error or 'it does not'}")
@@ -177,7 +180,7 @@ class Run(Intervening):
             return
         self._over = True
         self._thread.join()
-        self._bus.close()
+        self._session.close()
         self._live.__exit__(None, None, None)
         atexit.unregister(self.close)
 
@@ -228,11 +231,11 @@ def launch(
         >>> result.poses.shape
         (201, 3, 3)
     """
+    whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
+    name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:
         speed = 0.0 if realtime is False and not page else 1.0
     speed = control.checked_speed(speed)
-    whole = scenario if isinstance(scenario, Scenario) and not overrides else load(scenario, overrides)
-    name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     live = LiveRun(
         name,
         whole,

@@ -30,9 +30,6 @@ def test_simulate_launch_and_the_engine_give_one_hash(runs: Path) -> None:
     with echelon.launch(scenario, page=False) as run:
         run.wait()
         live = run.result()
-        for mistake in (lambda: run.result(warmup=-1.0), lambda: run.set_fault("1->2", cut=True, seconds=-1.0)):
-            with pytest.raises(echelon.EchelonError, match=r"(warmup|seconds): expected"):
-                mistake()
     for late in (run.result, run.start, run.pause, run.clear_faults, lambda: run.push(1, "slow")):
         with pytest.raises(echelon.EchelonError, match=r"expected to be asked within its with block; it is over"):
             late()

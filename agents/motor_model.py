@@ -24,7 +24,8 @@ class MotorModel:
         """
         wish, body, dt = scenario.estimator, scenario.nominal, scenario.control_interval
         self._dt = dt
-        self.delay = body.delay if isinstance(wish.delay, str) else round(wish.delay / dt)
+        given = wish.ticks_late(dt)
+        self.delay = body.delay if given is None else given
         """Ticks from a command to its effect."""
         self.lag = body.lag if isinstance(wish.lag, str) else wish.lag
         """Time constant of the wheels [s]."""

@@ -49,7 +49,7 @@ class Run(Intervening):
         """Address of its page; empty without one."""
         self.endpoint = live.endpoint
         """Where its router listens: for a plain Zenoh client in mode "client"; the manual has its messages."""
-        self._live, self._bus = live, ZenohBus(live.endpoint, name)
+        self._live, self._session = live, ZenohBus(live.endpoint, name)
         self._changed = threading.Condition()
         self._over, self._error = False, ""
         self._thread = threading.Thread(target=self._watch, name=f"run {name}", daemon=True)
@@ -67,6 +67,13 @@ class Run(Intervening):
             if not self._changed.wait_for(lambda: self.state is not None or self._error, START_SECONDS) or self._error:
                 reason = self._error or f"it is silent for {START_SECONDS:g} s"
                 raise EchelonError(f"run {self.name}: expected its world to begin; {reason}")
+
+    @property
+    def _bus(self) -> ZenohBus:
+        """What the run is asked over. Raises EchelonError: it is over."""
+        if self._over:
+            raise EchelonError(f"run {self.name}: expected to be asked within its with block; it is over")
+        return self._session
 
     def _watch(self) -> None:
         try:
@@ -211,7 +218,7 @@ class Run(Intervening):
             return
         self._over = True
         self._thread.join()
-        self._bus.close()
+        self._session.close()
         self._live.__exit__(None, None, None)
         atexit.unregister(self.close)
 
@@ -250,7 +257,7 @@ def launch(
         paused: wait for `Run.start`.
 
     Raises:
-        EchelonError: the scenario is wrong, or cannot run as processes.
+        EchelonError: the scenario or the speed is wrong, or it cannot run as processes.
 
     Example:
         >>> import echelon
@@ -267,7 +274,7 @@ def launch(
     name = free_name(f"{whole.name[:24]}-{os.getpid()}-{next(_numbers)}")
     if speed is None:
         speed = 0.0 if realtime is False and not page else 1.0
-    order("speed", {"speed": speed})  # refused here, where there is a caller to tell
+    speed = control.checked_speed(speed)
     live = LiveRun(
         name,
         whole,

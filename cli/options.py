@@ -16,6 +16,8 @@ from formation.scenario import files
 from formation.scenario.overrides import at_path, from_settings, from_text, merged
 from formation.scenario.places import overlapping
 from formation.scenario.scenario import Scenario
+from formation.units import seconds
+from formation.validation import shown
 from network.access.keys import LOCAL, OPEN, Keys, common_name, protocol
 from network.arguments import INSECURE
 from network.zenoh_bus import ZenohBus
@@ -80,16 +82,29 @@ def record_file(options: argparse.Namespace, name: str) -> Path | None:
         name: of the scenario.
 
     Raises:
-        EchelonError: the file exists, or its folder does not.
+        EchelonError: the file exists, its folder does not, or it cannot be written there.
     """
     if options.record is None:
         return None
     file = Path(options.record or file_name(name)).absolute()
-    if file.exists():
-        raise EchelonError(f"--record: expected the name of a new file; {file} exists")
-    if not file.parent.is_dir():
-        raise EchelonError(f"--record: expected a file in a folder that exists; got {file}")
+    try:
+        file.open("xb").close()  # before the run: its recorder would record nothing
+        file.unlink()
+    except FileExistsError:
+        raise EchelonError(f"--record: expected the name of a new file; {file} exists") from None
+    except OSError as error:
+        if isinstance(error, FileNotFoundError) and not file.parent.is_dir():
+            raise EchelonError(f"--record: expected a file in a folder that exists; got {file}") from None
+        raise EchelonError(f"--record: cannot write {file}: {error.strerror}") from None
     return file
+
+
+def time(text: str) -> float:
+    """A time as scenarios have it [s], for argparse. Raises argparse.ArgumentTypeError."""
+    try:
+        return float(seconds(text))  # type: ignore[arg-type]
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
@@ -135,7 +150,8 @@ def _faults(name: str) -> list[dict[str, Any]]:
         raise ScenarioError(f"--faults: expected one of {choices}; got {name!r}")
     entries = files.read(name).get("faults")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {entries!r:.60}")
+        got = "none" if entries is None else shown(entries)
+        raise ScenarioError(f"--faults: expected [[faults]] tables in {name}; got {got}")
     return entries
 
 

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
-from cli.options import add_record, add_scenario, load, record_file, tell, warn
+from cli.options import add_record, add_scenario, load, record_file, tell, time, warn
 from cli.terminal.figures import figure
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -26,7 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_scenario(parser)
     parser.add_argument("--engine", choices=["processes", "inprocess"], default="processes", help="default: processes")
     parser.add_argument("--duration", metavar="T", help="simulated time, such as 40 or 2min")
-    parser.add_argument("--warmup", type=float, default=0.0, help="measures start at this simulated time [s]")
+    parser.add_argument("--warmup", type=time, default=0.0, metavar="T", help="measures start at this simulated time")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
     add_record(parser)
     add_hosting(parser)
@@ -47,17 +47,20 @@ def run(options: argparse.Namespace) -> int:
     hosts = hosting(options)
     warn(scenario)
     record = record_file(options, scenario.name)
+    fault = ""
     with _ProgressBar(scenario) as report:
         if options.engine == "inprocess":
             summary = _inprocess(scenario, options, record, report)
         else:
-            summary = _processes(scenario, options, hosts, record, report)
-    if record is not None:
+            summary, fault = _processes(scenario, options, hosts, record, report)
+    if record is not None and not fault:
         tell(f"recorded in {record}")
     if options.json:
         print(json.dumps(summary))
     else:
         _print(summary)
+    if fault:
+        raise EchelonError(f"--record: expected a whole record in {record}; {fault}")
     return 0
 
 
@@ -78,8 +81,9 @@ def _processes(
     hosts: Hosting,
     record: Path | None,
     report: Callable[[float], None],
-) -> dict[str, Any]:
-    with LiveRun(
+) -> tuple[dict[str, Any], str]:
+    """The summary, and what is wrong with the record, if anything is."""
+    live = LiveRun(
         f"run-{os.getpid()}",
         scenario,
         tell=tell,
@@ -88,15 +92,22 @@ def _processes(
         record=None if record is None else str(record),
         detail=options.detail,
         **hosts,
-    ) as live:
+    )
+    with live:
         tell_how_to_join(live, hosts)
-        while live.watch():
-            state = live.state
-            if state is None:
-                continue
-            report(state.stamp)
-            if state.status == "finished":
-                return {**live.summary(options.warmup), "engine": "processes"}
+        summary = _finished(live, options.warmup, report)
+    return summary, live.record_fault  # known once all processes have ended
+
+
+def _finished(live: LiveRun, warmup: float, report: Callable[[float], None]) -> dict[str, Any]:
+    """The summary of a run that goes on until its end."""
+    while live.watch():
+        state = live.state
+        if state is None:
+            continue
+        report(state.stamp)
+        if state.status == "finished":
+            return {**live.summary(warmup), "engine": "processes"}
     raise EchelonError("the run was stopped before its end")
 
 

@@ -85,7 +85,8 @@ class Fault(Model):
         """A short description for the user."""
         if self.cut:
             return SHOWN["cut"].phrase
-        return ", ".join(SHOWN[key].words(value) for key, value in self.plain().items()) or "healthy"
+        words = ", ".join(SHOWN[key].words(value) for key, value in self.plain().items()) or "healthy"
+        return words.replace(", (", " (")  # jitter and its distribution
 
 
 SHOWN: Mapping[str, Shown] = {

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from formation.errors import Line, unknown
+from formation.schema import COLUMN, LABEL
 
 TAGS = ("kind", "name")
 """Keys by which a table says which of several models it is."""
@@ -20,6 +21,21 @@ _BOUNDS = {
 }
 
 
+_EXPECTED = {
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+    "string": "text",
+    "tuple": "a list",
+    "list": "a list",
+    "model": "a table",
+    "dict": "a table",
+}
+"""What a user calls what a type of pydantic's mistakes, such as int_parsing, begins with."""
+_PATTERNS = {
+    LABEL: "a name of at most 64 letters, digits and _ . - that begins with a letter or a digit",
+    COLUMN: "a name of at most 40 small letters, digits and _ that begins with a letter",
+}
 LINE = "line"
 """Type of a mistake that has its line already."""
 LONGEST = 60
@@ -36,7 +52,22 @@ def problems(error: ValidationError, model: type[BaseModel]) -> list[str]:
         if kind not in first:
             first[kind] = _line(dict(item), model)
     more = {kind: f" (and {n - 1} more like it)" if n > 1 else "" for kind, n in count.items()}
-    return [line + more[kind] for kind, line in first.items()]
+    return _joined(line + more[kind] for kind, line in first.items())
+
+
+def _joined(lines: Iterable[str]) -> list[str]:
+    """The lines, where those about a key of several types, and so about one value, are one."""
+    found: dict[str, str] = {}
+    for line in lines:
+        key, _, rest = line.partition(": expected ")
+        before, (more, got, _) = found.get(key, ""), rest.rpartition("; got ")
+        if "; got " not in before or not got:
+            found[line if key in found else key] = line
+            continue
+        whole, _, value = before.rpartition("; got ")
+        choices = getattr(before, "choices", ()) or getattr(line, "choices", ())
+        found[key] = Line(f"{whole} or {more}; got {value}", key, choices)
+    return list(found.values())
 
 
 def as_lines(error: ValidationError, model: type[BaseModel], others: Iterable[type[BaseModel]] = ()) -> ValidationError:
@@ -97,6 +128,9 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
         bounds = {"List": f"at {'most' if kind == 'too_long' else 'least'} ", "Tuple": ""}
         size = context.get("max_length", context.get("min_length"))
         return f"{key}: expected {bounds.get(context['field_type'], '')}{size} values; got {context['actual_length']}"
+    if kind == "string_pattern_mismatch":
+        words = _PATTERNS.get(context["pattern"], f"text of the form {context['pattern']}")
+        return f"{key}: expected {words}; got {shown(got)}"
     if kind == "missing" and isinstance(item["loc"][-1], int):
         return f"{key.rpartition('[')[0]}: expected more values; got {len(got)}"
     if kind == "missing":
@@ -115,9 +149,20 @@ def _line(item: dict[str, Any], model: type[BaseModel]) -> str:
     if kind == LINE:
         return Line(f"{key}: {context['error']}", key, context.get("choices", ()))
     if kind == "value_error":
-        return f"{key}: {context['error']}"
-    text = item["msg"].removeprefix("Input should be ").removeprefix("a valid ")
+        return _told(key, context["error"])
+    text = _EXPECTED.get(kind.partition("_")[0]) or item["msg"].removeprefix("Input should be ")
+    field = owner.model_fields.get(names[-1]) if owner and names else None
+    if text == "a list" and field and _models(field.annotation):
+        text = "a list of tables"
     return f"{key}: expected {text}; got {shown(got)}"
+
+
+def _told(key: str, error: Exception) -> str:
+    """What a validator of our own says of a value; of a key in the table that it has looked at, with that key."""
+    line = error.args[0] if error.args else ""
+    if not isinstance(line, Line) or not line.path.isidentifier():
+        return f"{key}: {error}"
+    return Line(f"{key}.{line}", f"{key}.{line.path}", line.choices)
 
 
 def _walk(
@@ -128,6 +173,7 @@ def _walk(
     names: list[str] = []
     owner: type[BaseModel] | None = model
     here: list[type[BaseModel]] = [model]
+    several = False
     for part in location:
         if isinstance(part, int):
             names[-1:] = [f"{names[-1]}[{part}]"] if names else [f"[{part}]"]
@@ -140,10 +186,14 @@ def _walk(
             continue
         if not here or owner is not here[0]:
             others = []
+        if several:
+            several = False  # pydantic's name of one of several types, none of which is a table
+            continue
         owner = here[0] if here else None
         names.append(part)
         field = owner.model_fields.get(part) if owner else None
         here = _models(field.annotation) if field else []
+        several = field is not None and not here and _is_union(field.annotation)
     return names, owner, others
 
 
@@ -153,6 +203,12 @@ def _tag(model: type[BaseModel]) -> str | None:
         if field and get_origin(field.annotation) is Literal:
             return str(get_args(field.annotation)[0])
     return None
+
+
+def _is_union(annotation: Any) -> bool:
+    """Whether values may be of several types, beside None."""
+    kinds = [kind for kind in get_args(annotation) if kind is not types.NoneType]
+    return get_origin(annotation) in (Union, types.UnionType) and len(kinds) > 1
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

@@ -1,5 +1,6 @@
 """The operations that a client may request of the world: one model each, named in a Request."""
 
+from numbers import Real
 from typing import Annotated, Any
 
 from pydantic import Field, FiniteFloat, ValidationError
@@ -17,8 +18,26 @@ from network.values import Intervention
 
 FARTHEST = 1e6
 """Of a goal [m]."""
+FASTEST = 1000.0
+"""Speed of a run [simulated seconds per second]."""
 TRACE_ROWS = 40_000
 """Rows of one robot's trace in one reply, at most: 3 MB."""
+
+
+def checked_speed(value: object, of: str = "speed") -> float:
+    """A speed for a run: simulated seconds per second, 0 as fast as possible.
+
+    Args:
+        value: a number, one hopes.
+        of: what the error names.
+
+    Raises:
+        EchelonError: it is none, or out of range.
+    """
+    if not isinstance(value, Real) or not 0.0 <= float(value) <= FASTEST:
+        got = f"{value:g}" if isinstance(value, float) else repr(value)
+        raise EchelonError(f"{of}: expected 0 (as fast as possible) to {FASTEST:g}; got {got}")
+    return float(value)
 
 
 class Start(OperationModel):
@@ -42,7 +61,7 @@ class Reset(OperationModel):
 class Speed(OperationModel):
     """Simulated seconds per second; 0 means as fast as possible."""
 
-    speed: Annotated[NonNegative, Field(le=1000.0)]
+    speed: Annotated[NonNegative, Field(le=FASTEST)]
 
 
 class SetFault(OperationModel):

@@ -12,7 +12,7 @@ from records.process import run
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Record the run until the process is asked to end."""
+    """Record the run until the process is asked to end; 0 if all of it is in the file."""
     parser = argparse.ArgumentParser(prog="python -m records", description=__doc__)
     add_connection(parser)
     parser.add_argument("--file", required=True, type=Path, help="to write to")
@@ -21,11 +21,11 @@ def main(arguments: list[str] | None = None) -> int:
     logging.basicConfig(format="%(name)s recorder: %(message)s", stream=sys.stderr)
     try:
         with connect(options, "recorder") as bus:
-            run(bus, options.file, Lifetime(bus.wake), detail=options.detail)
+            whole = run(bus, options.file, Lifetime(bus.wake), detail=options.detail)
     except EchelonError as error:
         print(f"recorder: {error}", file=sys.stderr)
         return 2
-    return 0
+    return 0 if whole else 1
 
 
 if __name__ == "__main__":

@@ -36,8 +36,12 @@ def new_file(path: Path) -> RecordFile:
     raise EchelonError(f"expected a free name like {path.name}")
 
 
-def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
-    """Record the run until the lifetime is over. A disk that is full ends the record, not the run."""
+def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> bool:
+    """Record the run until the lifetime is over. A disk that is full ends the record, not the run.
+
+    Returns:
+        Whether the file could be written to its end.
+    """
     wanted = [topics.stretch(bus.run), topics.status(bus.run, "*")]
     if detail == "full":
         wanted += [topics.tick(bus.run), topics.plan(bus.run, "*"), topics.command(bus.run, "*")]
@@ -46,11 +50,13 @@ def run(bus: Bus, path: Path, lifetime: Lifetime, *, detail: Detail) -> None:
         for key in wanted:
             bus.subscribe(key)
         _record(bus, file, lifetime, detail)
+        return True
     except (EchelonError, OSError) as error:
         logging.getLogger(__name__).error("nothing is recorded any more: %s", error)
         bus.close()  # its token goes: the world logs that the run is no longer recorded
         while not lifetime.over:  # an end would be taken for a crash
             bus.arrivals(FLUSH_SECONDS)
+        return False
 
 
 def _record(bus: Bus, file: RecordFile, lifetime: Lifetime, detail: Detail) -> None:

@@ -24,7 +24,7 @@ from runtime.machine.sharing import Sharing
 from runtime.open_files import check_enough
 from runtime.precompile import ensure_compiled
 from runtime.process_list import Program, RunPlan, agents, programs, recorder
-from runtime.record_keeper import RecordKeeper
+from runtime.record_keeper import RecordKeeper, broken
 from runtime.run_registry import Claim
 from runtime.supervisor import Supervisor
 from runtime.user_code import packed
@@ -172,6 +172,13 @@ class LiveRun:
     def state(self) -> State | None:
         """The newest State of the world."""
         return self._state
+
+    @property
+    def record_fault(self) -> str:
+        """Why the record that the run was started with is not whole, once the run is over; empty if it is, or none."""
+        file = self._options.get("record")
+        codes = [] if file is None else self._supervisor.codes[recorder(self._plan, file)]
+        return "" if not any(codes) else broken(codes)
 
     def watch(self) -> bool:
         """Supervise the run for a moment. Returns False once the world was asked to stop.

@@ -1,7 +1,7 @@
 """Starts and ends the recorder of a run, as its users wish."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from network.messages import State
@@ -33,8 +33,15 @@ class RecordKeeper:
             self._supervisor.start([self._recorder(str(file))])
             self._tell(f"recording in {file}")
         elif state.record == "off" and records:
-            self._supervisor.end("recorder")
-            self._tell("the record is closed")
+            codes = self._supervisor.end("recorder")
+            self._tell(f"the record is closed; {broken(codes)}" if any(codes) else "the record is closed")
+
+
+def broken(codes: Iterable[int]) -> str:
+    """What is wrong with a record, of whose recorder's processes some ended so: exit codes, or signals below 0."""
+    if any(code > 0 for code in codes):
+        return "it could not be written to its end"
+    return "its recorder died: parts are missing, and what came later is in files with a number behind the name"
 
 
 def file_name(scenario: str) -> str:

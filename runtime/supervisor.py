@@ -4,7 +4,7 @@ import gc
 import importlib
 import signal
 import sys
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
@@ -42,6 +42,8 @@ class Supervisor:
         self._running: dict[Program, BaseProcess] = {}
         self._again: dict[Program, float] = {}
         self._deaths: dict[Program, deque[float]] = {}
+        self.codes: defaultdict[Program, list[int]] = defaultdict(list)
+        """With which each program's processes have ended so far; below 0: by which signal."""
 
     @property
     def numbers(self) -> set[int]:
@@ -88,19 +90,26 @@ class Supervisor:
         """Of the processes that run, or will run again."""
         return {program.role for program in (*self._running, *self._again)}
 
-    def end(self, role: str) -> None:
-        """Ask the processes of a role to end, and do not bring them back."""
+    def end(self, role: str) -> list[int]:
+        """Ask the processes of a role to end, and do not bring them back; their codes, as in `codes`."""
         for program in [program for program in self._again if program.role == role]:
             del self._again[program]
         ended = {program: process for program, process in self._running.items() if program.role == role}
         for program, process in ended.items():
             del self._running[program]
             process.terminate()
-        for process in ended.values():
-            process.join(STOP_SECONDS)
-            if process.exitcode is None:
-                process.kill()
-                process.join(1.0)
+        until = monotonic() + STOP_SECONDS
+        return [self._ended(program, process, until) for program, process in ended.items()]
+
+    def _ended(self, program: Program, process: BaseProcess, until: float) -> int:
+        """The code of a process that was asked to end, killed if it still runs at a time of the monotonic clock [s]."""
+        process.join(max(0.0, until - monotonic()))
+        if process.exitcode is None:
+            process.kill()
+            process.join(1.0)
+        code = -signal.SIGKILL if process.exitcode is None else process.exitcode
+        self.codes[program].append(code)
+        return code
 
     def watch(self, seconds: float) -> int | None:
         """Supervise the processes for some time. Returns the world's exit code once it has ended by itself.
@@ -120,6 +129,7 @@ class Supervisor:
             for program, process in list(self._running.items()):
                 if process.exitcode is not None:
                     del self._running[program]
+                    self.codes[program].append(process.exitcode)
                     if program.role == "world" and process.exitcode >= 0 and process.exitcode != TERMINATED:
                         return process.exitcode
                     self._bury(program, process.exitcode)
@@ -145,11 +155,7 @@ class Supervisor:
                 self._running[program].terminate()
             until = monotonic() + STOP_SECONDS
             for program in group:
-                process = self._running[program]
-                process.join(max(0.0, until - monotonic()))
-                if process.exitcode is None:
-                    process.kill()
-                    process.join(1.0)
+                self._ended(program, self._running[program], until)
         self._running.clear()
 
 

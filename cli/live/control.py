@@ -1,13 +1,14 @@
 """`echelon control`: time and agents of a live run."""
 
 import argparse
+from collections.abc import Iterable
 
 from cli.live.talk import ask
 from cli.options import add_run, session
 from dashboard.scenario_list import use_table
 from formation.disturbances import PUSHES
-from formation.errors import EchelonError
-from formation.scenario.files import is_file, load
+from formation.errors import EchelonError, unknown
+from formation.scenario.files import is_file, load, shipped
 from formation.shapes import SHAPES
 from network import control
 from network.control import Operation
@@ -37,8 +38,7 @@ _ACTIONS = {
 }
 _PAIRS = {"drive": ("V", "OMEGA"), "goto": ("X", "Y")}
 """Actions with two numbers."""
-
-
+_ASIDE = "DX", "DY"
 _INTERVENTIONS = ("push", "move", "release", "shape")
 """Actions on the robots."""
 
@@ -57,14 +57,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         elif name == "record":
             action.add_argument("value", choices=["on", "off"])
         elif name in _PAIRS:
-            action.add_argument("value", nargs=2, metavar=_PAIRS[name])
+            _add_numbers(action, _PAIRS[name])
         elif name == "push":
             action.add_argument("robot", metavar="ROBOT", help="its number, from 1")
             action.add_argument("value", metavar="|".join(PUSHES))
             action.add_argument("--for", dest="seconds", metavar="TIME", help="such as 10s; default: until `release`")
         elif name == "move":
             action.add_argument("robot", metavar="ROBOT", help="its number, from 1")
-            action.add_argument("value", nargs=2, metavar=("DX", "DY"))
+            _add_numbers(action, _ASIDE)
         elif name == "release":
             action.add_argument("robot", metavar="ROBOT|all", nargs="?", default="all")
         elif name == "shape":
@@ -78,10 +78,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         add_run(action)
 
 
+def _add_numbers(action: argparse.ArgumentParser, names: Iterable[str]) -> None:
+    """An argument each: argparse cannot name one of two values when it is missing."""
+    for name in names:
+        action.add_argument(name.lower(), metavar=name)
+
+
 def run(options: argparse.Namespace) -> None:
     """Send the operation to the world."""
     if options.action in _PAIRS:
-        operation = _pair(options.action, options.value, getattr(options, "seconds", None))
+        operation = _pair(options)
     elif options.action in _INTERVENTIONS:
         operation = _intervention(options)
     else:
@@ -92,23 +98,27 @@ def run(options: argparse.Namespace) -> None:
         print(f"drives at {done.get('v'):.3g} m/s and {done.get('omega'):.3g} rad/s, which is as fast as it can")
 
 
-def _pair(action: str, values: list[str], seconds: str | None) -> Operation:
-    names = [name.lower() for name in _PAIRS[action]]
-    numbers = {name: _number(action, value, float) for name, value in zip(names, values, strict=True)}
+def _pair(options: argparse.Namespace) -> Operation:
+    action, seconds = options.action, getattr(options, "seconds", None)
+    numbers = _numbers(options, _PAIRS[action])
     return control.operation(Request(action, {**numbers, **({} if seconds is None else {"seconds": seconds})}))
+
+
+def _numbers(options: argparse.Namespace, names: Iterable[str]) -> dict[str, float]:
+    """Of `_add_numbers`. Raises EchelonError."""
+    return {name.lower(): _number(options.action, getattr(options, name.lower()), float) for name in names}
 
 
 def _intervention(options: argparse.Namespace) -> Operation:
     """What is done to the robots."""
     action, wanted = options.action, dict[str, object]()
     if action in ("push", "move") or (action == "release" and options.robot != "all"):
-        wanted["robot"] = _number(action, options.robot.removeprefix("robot-"), int)
+        wanted["robot"] = _number(action, options.robot, int, prefix="robot-")
     match action:
         case "push":
             wanted |= {"kind": options.value, "seconds": options.seconds}
         case "move":
-            dx, dy = (_number(action, value, float) for value in options.value)
-            wanted |= {"dx": dx, "dy": dy}
+            wanted |= _numbers(options, _ASIDE)
         case "shape":
             spacing = None if options.spacing is None else _number("--spacing", options.spacing, float)
             wanted |= {"shape": options.value, "spacing": spacing, "over": options.over}
@@ -120,16 +130,13 @@ def _operation(action: str, value: str) -> Operation:
         case "step":
             return control.Step.model_validate({"ticks": _number(action, value, int)})
         case "speed":
-            speed = _number(action, value.removeprefix("x"), float)
-            if not 0.0 <= speed <= 1000.0:
-                raise EchelonError(f"speed: expected 0 (as fast as possible) to 1000; got {value}")
-            return control.Speed(speed=speed)
+            return control.Speed(speed=control.checked_speed(_number(action, value, float, prefix="x")))
         case "scenario":
             return _scenario(value)
         case "controller":
             return control.UseController(controller=value)
         case "kill" | "restart" | "leave" | "join":
-            return control.operation(Request(action, {"robot": _number(action, value.removeprefix("agent-"), int)}))
+            return control.operation(Request(action, {"robot": _number(action, value, int, prefix="agent-")}))
         case "record":
             return control.Record(on=value == "on")
         case "compare":
@@ -141,13 +148,16 @@ def _operation(action: str, value: str) -> Operation:
 def _scenario(name: str) -> Operation:
     """A shipped scenario by its name; a file as the table that it holds, for the world reads none."""
     if not is_file(name):
+        if name not in shipped():
+            raise EchelonError(unknown("scenario", name, [*shipped(), "FILE.toml"]))
         return control.UseScenario(scenario=name)
     return use_table(load(name))
 
 
-def _number(action: str, value: str, kind: type[int] | type[float]) -> float:
+def _number(action: str, value: str, kind: type[int] | type[float], *, prefix: str = "") -> float:
+    """A number, which a user may write behind a prefix: x2, agent-3."""
     try:
-        number = kind(value)
+        number = kind(value.removeprefix(prefix))
     except ValueError:
         raise EchelonError(f"{action}: expected a number; got {value!r}") from None
     if action == "step" and not 1 <= number <= 100_000:

@@ -17,6 +17,7 @@ from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
 from network.access.robot_numbers import spelled
+from network.control import checked_speed
 from network.values import Event
 from ros.readiness import check, reachable
 from ros.spec import FORM, RobotSpec, parse_all, parse_router
@@ -68,8 +69,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run until Ctrl-C or a stop request."""
     scenario, _ = load(options)
-    if not 0.0 <= options.speed <= 1000.0:
-        raise EchelonError(f"--speed: expected 0 (as fast as possible) to 1000; got {options.speed:g}")
+    checked_speed(options.speed, "--speed")
     if options.together is not None and options.together < 1:
         raise EchelonError(f"--together: expected 1 or more; got {options.together}")
     hosts = hosting(options)
@@ -123,6 +123,8 @@ def run(options: argparse.Namespace) -> int:
                 shown = max([shown, *(event.number for event in events)])
         except KeyboardInterrupt:
             tell("stopping")
+    if live.record_fault:
+        tell(f"{record} is no whole record: {live.record_fault}")
     return 0
 
 

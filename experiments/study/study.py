@@ -10,12 +10,12 @@ from experiments.trials.measures import MEASURES, Event
 from formation.errors import ScenarioError, StudyError, unknown
 from formation.scenario.files import is_file, table_of
 from formation.scenario.overrides import Overrides, at_path, merged, paths
-from formation.schema import Duration, Model
+from formation.schema import COLUMN, LABEL, Duration, Model
 from formation.validation import problems
 
 Value = StrictBool | StrictInt | FiniteFloat | str
 """One value of an axis, as it stands in the table."""
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+Name = Annotated[str, Field(pattern=COLUMN)]
 
 RESERVED = ("trial", "scenario", "seed", "trajectory_sha256", *MEASURES)
 """Columns that every table has, or may have, besides the axes."""
@@ -128,7 +128,7 @@ class Bound(Model):
 class Study(Model):
     """A grid over scenarios, axes and seeds; every point of it meets the same seeds, that is, the same chance."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    name: Annotated[str, Field(pattern=LABEL)]
     """Of its folder of results."""
     title: str = ""
     """What it asks, in a sentence."""

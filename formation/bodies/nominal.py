@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 from formation.bodies.spec import Bodies
 
+MAX_DELAY = 1000
+"""Ticks from a command to its effect: an agent remembers little more of what it has commanded."""
+
 
 @dataclass(frozen=True, slots=True)
 class Nominal:
@@ -47,21 +50,32 @@ class Nominal:
         return not (self.noisy or self.drawn)
 
 
+def ticks_late(key: str, delay: float, dt: float) -> int:
+    """How many ticks of dt [s] lie between a command and its effect, of a key that says so in seconds.
+
+    Raises:
+        ValueError: they are more than MAX_DELAY.
+    """
+    if delay / dt > MAX_DELAY + 1e-6:
+        raise ValueError(f"{key}: expected at most {MAX_DELAY * dt:g} s at this control_interval; got {delay:g}")
+    return round(delay / dt)
+
+
 def nominal(bodies: Bodies, dt: float) -> Nominal:
     """The nominal body at this control interval [s].
 
     Raises:
-        ValueError: a rate is higher than one measurement a tick.
+        ValueError: a rate is higher than one measurement a tick, or commands act too late.
     """
     sensor = bodies.localisation
     period = 1.0 if sensor.rate is None else 1.0 / (sensor.rate * dt)
     if period < 1.0 - 1e-9:
-        raise ValueError(f"localisation.rate: expected at most {1.0 / dt:g} a second; got {sensor.rate:g}")
+        raise ValueError(f"bodies.localisation.rate: expected at most {1.0 / dt:g} a second; got {sensor.rate:g}")
     return Nominal(
         bodies.lag,
         bodies.acceleration or math.inf,
         bodies.turn_acceleration or math.inf,
-        round(bodies.delay / dt),
+        ticks_late("bodies.delay", bodies.delay, dt),
         bodies.slip,
         bodies.gyro,
         bodies.slip_time > 0.0,

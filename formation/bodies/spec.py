@@ -113,7 +113,7 @@ class Bodies(Model):
     turn_acceleration: Positive | None = None
     """Largest change of omega [rad/s2]; unlimited if absent."""
     delay: Duration = 0.0
-    """From a command's arrival to its effect [s]."""
+    """From a command's arrival to its effect, at most 1000 ticks [s]."""
     scale: NonNegative = 0.0
     """Bound of s_v: a robot drives 1 + s_v times as fast as its wheels say [1]."""
     turn_scale: NonNegative = 0.0
@@ -153,7 +153,7 @@ class Bodies(Model):
             return raw
         name = raw.get("preset", "ideal")
         if name not in PRESETS:
-            raise ValueError(unknown("preset of bodies", str(name), PRESETS))
+            raise ValueError(unknown("preset", str(name), PRESETS))
         return _merged(PRESETS[name], raw)
 
     @model_validator(mode="after")

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from formation.bodies.nominal import ticks_late
 from formation.schema import Duration, Model
 
 
@@ -19,6 +20,10 @@ class Estimator(Model):
     window: Annotated[int, Field(ge=1, le=3)] = 2
     """Robots in one filter: the own one, the upstream neighbour, and that one's (where robots see each other)."""
     delay: Duration | Literal["learn", "nominal"] = "learn"
-    """From a command to its effect [s]: learnt, that of [bodies], or a number."""
+    """From a command to its effect [s]: learnt, that of [bodies], or a number, of at most 1000 ticks."""
     lag: Duration | Literal["learn", "nominal"] = "nominal"
     """Time constant of the wheels [s], likewise."""
+
+    def ticks_late(self, dt: float) -> int | None:
+        """The delay in ticks of dt [s]; None if it is no number. Raises ValueError: it is too large."""
+        return None if isinstance(self.delay, str) else ticks_late("estimator.delay", self.delay, dt)

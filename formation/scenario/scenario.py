@@ -36,7 +36,7 @@ from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
-from formation.schema import Duration, Model, Positive
+from formation.schema import LABEL, Duration, Model, Positive
 from formation.slot_motion import Motion
 from formation.way import HeardReference
 
@@ -49,7 +49,7 @@ MAX_STRIDE = 1000
 class Scenario(Model):
     """The complete description of an episode: it determines every trajectory, seed included."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]
+    name: Annotated[str, Field(pattern=LABEL)]
     """What tables and the page call it: letters and digits, and _ . - between them."""
     source: str = ""
     """Where it comes from."""
@@ -115,10 +115,8 @@ class Scenario(Model):
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")
-        try:
-            nominal(self.body, self.control_interval)
-        except ValueError as error:
-            raise ValueError(f"bodies.{error}") from None
+        nominal(self.body, self.control_interval)
+        self.estimator.ticks_late(self.control_interval)
         for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.formation)):
             raise ValueError(line)
         wrong = self.offsets.crowded()

@@ -1,5 +1,6 @@
 """How many agents share a process: one each while the machine bears it, else as many processes as it has cores."""
 
+import contextlib
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
@@ -52,20 +53,22 @@ def _measured_aside() -> Capacity:
     ours, theirs = fork_server.context().Pipe(duplex=False)
     fork_server.start()
     process = fork_server.context().Process(target=_measure, args=(theirs,))
-    with without_main(), fork_server.held_signals():
-        process.start()
-    theirs.close()
     try:
+        with without_main(), fork_server.held_signals():
+            process.start()
+        theirs.close()  # here or above a Ctrl-C may come that was held: the process is ended all the same
         if not ours.poll(MEASURE_SECONDS):
             raise EchelonError("this machine does not answer in time when it is asked how many agents it bears")
         found: Capacity = ours.recv()
     except EOFError:
         raise EchelonError("how many agents this machine bears cannot be measured") from None
     finally:
-        process.kill()
-        process.join()
+        if process.pid is not None:
+            process.kill()
+            process.join()
     return found
 
 
 def _measure(answer: "Connection[Capacity, Capacity]") -> None:
-    answer.send(measured())
+    with contextlib.suppress(BrokenPipeError):  # whoever asked is gone
+        answer.send(measured())

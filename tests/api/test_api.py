@@ -30,6 +30,10 @@ def test_simulate_launch_and_the_engine_give_one_hash(runs: Path) -> None:
     with echelon.launch(scenario, page=False) as run:
         run.wait()
         live = run.result()
+    for late in (run.result, run.start, run.pause, run.clear_faults, lambda: run.push(1, "slow")):
+        with pytest.raises(echelon.EchelonError, match=r"expected to be asked within its with block; it is over"):
+            late()
+    assert run.state is not None
     assert live.trajectory_sha256 == result.trajectory_sha256 == inprocess.simulate(scenario)["trajectory_sha256"]
     for name in ("times", "poses", "inputs", "ages", "distance_errors"):
         np.testing.assert_array_equal(getattr(live, name), getattr(result, name))

@@ -26,6 +26,28 @@ def test_the_whole_parser_knows_what_each_command_takes() -> None:
     assert parser.parse_args(["fault", "set", "--loss", "30%"]).loss == "30%"
 
 
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("study --seeds x", "argument --seeds: expected a whole number; got 'x'"),
+        ("up --port 8.5", "argument --port: expected a whole number; got '8.5'"),
+        ("up --speed fast", "argument --speed: expected a number; got 'fast'"),
+        ("recording agent file --robot x", "argument --robot: expected a whole number; got 'x'"),
+        ("run circle --warmup 2x", "argument --warmup: expected a time such as 300ms, 0.3s or 2min; got '2x'"),
+    ],
+)
+def test_what_is_no_number_is_told_with_what_was_expected(words: str, line: str, capsys: Any) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(words.split())
+    assert ended.value.code == 2
+    assert f"{line} (" in capsys.readouterr().err
+
+
+def test_a_warmup_is_a_time_as_the_duration_is() -> None:
+    parse = whole_parser().parse_args
+    assert [parse(["run", "--warmup", text]).warmup for text in ("2", "2s", "500ms", "1min")] == [2.0, 2.0, 0.5, 60.0]
+
+
 def test_the_schema_and_the_keys_are_printed_as_they_are(capsys: Any) -> None:
     assert main(["schema"]) == 0
     assert json.loads(capsys.readouterr().out) == json_schema()

@@ -1,8 +1,12 @@
 """Records of live runs: whole whatever is killed, and equal to one process to the last bit."""
 
+import json
 import os
 import random
+import resource
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +17,7 @@ import pytest
 
 from records.record import load
 from records.repair import repair
-from tests.processes.live import Up, echelon, processes, wait_for
+from tests.processes.live import Up, echelon, processes, title, wait_for
 
 pytestmark = [pytest.mark.processes]
 MOMENTS = int(os.environ.get("ECHELON_MOMENTS", "1"))
@@ -29,6 +33,37 @@ def test_a_record_of_processes_is_the_run_of_one_process(tmp_path: Path) -> None
     assert read.sound
     assert read.episodes[0].ticks == list(range(301))
     assert "every bit is equal" in echelon("verify", str(file)).stdout
+
+
+def test_a_run_whose_record_cannot_grow_says_so_and_has_its_measures(runs: Path, tmp_path: Path) -> None:
+    def fill() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16))
+
+    file, words = tmp_path / "run.mcap", ("run", "triangle-circle", "--duration", "10", "--json")
+    process = command(*words, f"--record={file}", preexec_fn=fill)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 2
+    assert json.loads(out)["duration"] == 10.0
+    assert f"expected a whole record in {file}; it could not be written to its end" in err
+    assert "recorded in" not in err
+    assert not list(runs.iterdir())
+
+
+def test_a_run_whose_recorder_died_says_so(runs: Path, tmp_path: Path) -> None:
+    file, words = tmp_path / "run.mcap", ("run", "triangle-circle", "--duration", "6", "--realtime", "--json")
+    process = command(*words, f"--record={file}")
+    wait_for(file.exists)
+    (recorder,) = [one for one in processes(runs) if title(one).endswith(": recorder")]
+    recorder.kill()
+    _, err = process.communicate(timeout=120)
+    assert process.returncode == 2
+    assert f"expected a whole record in {file}; its recorder died" in err
+    assert file.with_stem("run-2").exists()
+
+
+def command(*words: str, **options: Any) -> subprocess.Popen[str]:
+    cli = [sys.executable, "-m", "cli.main", *words]
+    return subprocess.Popen(cli, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
 
 
 def victims(run: Up, who: str) -> list[int]:

@@ -62,7 +62,7 @@ def seen(bus: MemoryBus) -> list[bool]:
 
 def test_a_recorder_writes_what_it_hears_and_closes_the_file(world: Any, tmp_path: Path) -> None:
     ours, theirs, tick = world
-    process.run(theirs, tmp_path / "run.mcap", Turns(60, tick), detail="default")  # type: ignore[arg-type]
+    assert process.run(theirs, tmp_path / "run.mcap", Turns(60, tick), detail="default")  # type: ignore[arg-type]
     read = load(tmp_path / "run.mcap")
     assert read.sound
     assert len(read.episodes[0].ticks) > 50
@@ -85,7 +85,7 @@ def test_a_full_disk_ends_the_record_and_nothing_else(
 
     monkeypatch.setattr(RecordFile, "flush", full)
     turns = Turns(80, tick)
-    process.run(theirs, tmp_path / "run.mcap", turns, detail="default")  # type: ignore[arg-type]
+    assert not process.run(theirs, tmp_path / "run.mcap", turns, detail="default")  # type: ignore[arg-type]
     assert turns.looks < 0, "it waits for its end, so that nobody starts it again"
     assert seen(ours) == [True, False]
     assert "No space left" in caplog.text
@@ -95,7 +95,7 @@ def test_a_full_disk_ends_the_record_and_nothing_else(
 def test_a_file_that_cannot_be_made_does_not_end_the_process(world: Any, tmp_path: Path) -> None:
     ours, theirs, tick = world
     turns = Turns(5, tick)
-    process.run(theirs, tmp_path / "missing" / "run.mcap", turns, detail="default")  # type: ignore[arg-type]
+    assert not process.run(theirs, tmp_path / "missing" / "run.mcap", turns, detail="default")  # type: ignore[arg-type]
     assert turns.looks < 0
     assert seen(ours) == []
 

@@ -83,7 +83,8 @@ class WheeledBodies:
         block = scenario.start
         at_start: list[list[float]] = block.inputs[0].tolist()
         self._wheels = at_start
-        self._queue: deque[list[list[float]]] = deque(block.inputs[tick].tolist() for tick in range(known.delay))
+        last = len(block.inputs) - 1  # a driven formation's is short, and at rest before any order
+        self._queue: deque[list[list[float]]] = deque(block.inputs[min(k, last)].tolist() for k in range(known.delay))
 
     @property
     def odometry(self) -> FloatArray:

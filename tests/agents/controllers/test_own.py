@@ -88,7 +88,7 @@ def test_its_own_keys_are_checked_like_those_of_built_in_ones(hold_slot: Write) 
     assert Scenario.model_validate_json(scenario(name, gain=3.0).model_dump_json()).controller == made
     for key, value, line in (
         ("gain", -1.0, "controller.gain: expected more than 0; got -1.0"),
-        ("gain", "much", "controller.gain: expected number"),
+        ("gain", "much", "controller.gain: expected a number"),
         ("gian", 1.0, r"controller.gian: unknown key: .*did you mean gain"),
         ("formation", 1.0, "controller.formation: unknown key: .*it is a key of nash"),
         ("plan_every", 0, "controller.plan_every: expected at least 1"),

@@ -169,9 +169,9 @@ def test_later_settings_win_and_the_raw_table_is_left_alone() -> None:
     [
         ("seed", ["expected key=value", "'seed'"]),
         ("=3", ["expected key=value"]),
-        ("seed.value=3", ["seed: expected integer"]),
-        ("duration.value=3", ["duration", "expected number"]),
-        ("name.first.second=3", ["name", "expected string"]),
+        ("seed.value=3", ["seed: expected a whole number"]),
+        ("duration.value=3", ["duration", "expected a number"]),
+        ("name.first.second=3", ["name", "expected text"]),
         ("sed=3", ["sed: unknown key", "did you mean seed?"]),
         ("link.latensy=1", ["link.latensy: unknown key", "did you mean latency?"]),
         ("path.radius=big", ["path.radius", "'big'"]),

@@ -1,9 +1,14 @@
 """Agents share processes where there are more than the machine bears with one each; every robot has one agent."""
 
+import contextlib
+import multiprocessing
+from collections.abc import Iterator
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from runtime import fork_server
 from runtime.machine import sharing
 from runtime.machine.capacity import Capacity, cores
 from runtime.machine.sharing import SURE, Sharing
@@ -41,3 +46,26 @@ def test_who_is_few_has_a_process_and_who_is_many_is_told(monkeypatch: pytest.Mo
     found.size(many)
     assert len(told) == len(asked) == 1
     assert Sharing(told.append, 3).size(many) == 3
+
+
+def test_a_ctrl_c_that_comes_while_the_measuring_process_starts_leaves_no_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    @contextlib.contextmanager
+    def held() -> Iterator[None]:
+        yield
+        raise KeyboardInterrupt
+
+    before = set(multiprocessing.active_children())
+    fork_server.start()
+    monkeypatch.setattr(fork_server, "held_signals", held)
+    with pytest.raises(KeyboardInterrupt):
+        sharing._measured_aside()
+    assert set(multiprocessing.active_children()) == before
+
+
+def test_who_measures_for_nobody_any_more_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sharing, "measured", lambda: Capacity(1, 2, 3))
+    ours, theirs = multiprocessing.Pipe(duplex=False)
+    ours.close()
+    sharing._measure(theirs)

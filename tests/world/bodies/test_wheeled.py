@@ -57,6 +57,20 @@ def test_a_command_acts_after_the_delay_and_not_before() -> None:
     assert speeds[5:].tolist() == [0.3, 0.3]
 
 
+@pytest.mark.parametrize("horizon", [2, 20])
+@pytest.mark.parametrize("scenario", ["triangle-circle", "drive-me"])
+def test_a_delay_may_be_longer_than_what_is_known_of_the_way(scenario: str, horizon: int) -> None:
+    """Of a driven formation that is two horizons, of any other 20 s: the rest of it stands."""
+    changes = {"bodies": {"preset": "ideal", "delay": 10}, "controller": {"horizon": horizon}}
+    of = WheeledBodies(load(scenario, changes))
+    start, n = of.odometry, len(of.poses)
+    for _ in range(1000):
+        of.move(np.full((n, 2), 0.25))
+    assert np.abs(of.odometry - start).max() < 0.2
+    of.move(np.full((n, 2), 0.25))
+    assert of.odometry.tolist() == [[0.25, 0.25]] * n
+
+
 def test_scales_and_offsets_differ_between_robots_and_stay_within_their_bounds() -> None:
     of = bodies(scale=0.05, turn_scale=0.05, turn_offset=0.02)
     before = of.poses.copy()

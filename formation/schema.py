@@ -25,10 +25,6 @@ class Model(BaseModel):
     __hash__ = None  # type: ignore[assignment]
 
 
-LABEL = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
-"""Pattern of what tables and the page call something."""
-COLUMN = r"^[a-z][a-z0-9_]{0,39}$"
-"""Pattern of a name that is a column of a table, too."""
 UNIT = "x-unit"
 """Where a JSON schema has the unit of a key whose docstring need not name it."""
 

@@ -9,10 +9,13 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from formation.errors import Line, unknown
-from formation.schema import COLUMN, LABEL
 
 TAGS = ("kind", "name")
 """Keys by which a table says which of several models it is."""
+LABEL = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
+"""Pattern of what tables and the page call something."""
+COLUMN = r"^[a-z][a-z0-9_]{0,39}$"
+"""Pattern of a name that is a column of a table, too."""
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),

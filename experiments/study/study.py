@@ -10,8 +10,8 @@ from experiments.trials.measures import MEASURES, Event
 from formation.errors import ScenarioError, StudyError, unknown
 from formation.scenario.files import is_file, table_of
 from formation.scenario.overrides import Overrides, at_path, merged, paths
-from formation.schema import COLUMN, LABEL, Duration, Model
-from formation.validation import problems
+from formation.schema import Duration, Model
+from formation.validation import COLUMN, LABEL, problems
 
 Value = StrictBool | StrictInt | FiniteFloat | str
 """One value of an axis, as it stands in the table."""

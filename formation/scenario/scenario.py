@@ -36,8 +36,9 @@ from formation.scenario.metrics import Metrics
 from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
-from formation.schema import LABEL, Duration, Model, Positive
+from formation.schema import Duration, Model, Positive
 from formation.slot_motion import Motion
+from formation.validation import LABEL
 from formation.way import HeardReference
 
 MAX_TICKS = 1_000_000

@@ -83,7 +83,7 @@ def test_a_share_that_is_none_is_refused_with_an_example(text: Any) -> None:
         ({"latency": "soon"}, ["latency", "300ms", "soon"]),
         ({"lag": 1}, ["lag: unknown key", "latency", "loss"]),
         ({"distribution": "cauchy"}, ["distribution", "uniform, normal, pareto"]),
-        ({"cut": "perhaps"}, ["cut", "boolean"]),
+        ({"cut": "perhaps"}, ["cut", "true or false"]),
         ({"rate": -1, "loss": 2}, ["rate", "loss"]),
     ],
 )

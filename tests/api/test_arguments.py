@@ -32,8 +32,11 @@ WRONG: list[tuple[Callable[[], Any], str]] = [
     (lambda: begun().step(-1), "ticks: expected an integer, at least 0; got -1"),
     (lambda: begun().step(1.5), "ticks: expected an integer, at least 0; got 1.5"),  # type: ignore[arg-type]
     (lambda: begun().observation("x"), "robot: expected an integer, at least 1; got 'x'"),  # type: ignore[arg-type]
-    (lambda: begun().push(True, "gust"), "robot: expected integer; got True"),
-    (lambda: echelon.launch("circle", TINY, speed=float("nan")), "speed: expected a finite number"),
+    (lambda: begun().push(True, "gust"), "robot: expected a whole number; got True"),
+    (
+        lambda: echelon.launch("circle", TINY, speed=float("nan")),
+        "speed: expected 0 .as fast as possible. to 1000; got nan",
+    ),
     (lambda: echelon.study("circle", TINY, grid={"seed": 3}), "grid: expected values of seed"),  # type: ignore[dict-item]
     (lambda: echelon.study("circle", TINY, grid=GRID, workers=-1), "workers: expected an integer, at least 1; got -1"),
     (lambda: echelon.study("circle", TINY, grid=GRID, measures="x"), "measures: expected a list of names; got 'x'"),

@@ -27,6 +27,7 @@ from formation.pattern import upstream
 from formation.scenario.files import load
 from network import topics
 from network.access.keys import PORT
+from network.access.robot_numbers import parsed
 from network.bus import Sample
 from network.codec import decode
 from network.messages import Command, State, Status
@@ -79,7 +80,7 @@ def measure(transport: str, percent: int, seconds: float) -> Result:
             here.start(up, "up", SCENARIO, *words, *(["--insecure"] if transport == "udp" else []))
             found = _until(lambda: _JOIN.search(logs[0].read_text()), logs[0])
             there.start(joined, "join", *found[1].split())
-            _until(lambda: logs[0].read_text().count(" is here") >= SIZE, logs[0])
+            _until(lambda: len(_here(logs[0].read_text())) == SIZE, logs[0])
             with ZenohBus(f"unixsock-stream/{here.runs}/{RUN}/router.sock", RUN) as bus:
                 return _observe(bus, here, transport, percent, seconds)
 
@@ -137,6 +138,11 @@ def _figures(ages: FloatArray) -> tuple[float, float, float]:
     known = ages[~np.isnan(ages)]
     median, ninety = np.quantile(known, (0.5, 0.9)).tolist()
     return median, ninety, float(known.max())
+
+
+def _here(told: str) -> frozenset[int]:
+    """Robots whose agents have come, by what `up` told."""
+    return frozenset[int]().union(*map(parsed, re.findall(r"agents? (\S+) (?:is|are) here", told)))
 
 
 def _until(look: Callable[[], Found | None], log: Path) -> Found:

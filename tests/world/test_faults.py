@@ -271,7 +271,7 @@ def test_a_wrong_change_changes_nothing(link: Any, changes: Any) -> None:
         ("2x", "until: expected a time such as 300ms"),
         (float("nan"), "until: expected a finite number"),
         (float("inf"), "until: expected a finite number"),
-        ([3.0], "until: expected number"),
+        ([3.0], "until: expected a number"),
         (0.5, "until: expected a simulated time later than now, 1 s; got 0.5"),
         ("1s", "later than now"),
         (1.0 + 1e-10, "later than now"),

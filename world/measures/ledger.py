@@ -44,7 +44,11 @@ class _Cause:
     """[s]."""
     ends: float | None = None
     """[s]; None while it acts."""
-    of_link: bool = False
+
+    @property
+    def of_link(self) -> bool:
+        """Whether it is a fault of a link."""
+        return isinstance(self.key, tuple) and isinstance(self.key[0], LinkId)
 
 
 class Ledger:
@@ -209,11 +213,7 @@ class Ledger:
             if cause.ends is None and cause.key not in acting:
                 cause.ends = now
         known = {cause.key for cause in self._causes if cause.ends is None}
-        self._causes += [
-            _Cause(key, robot, text, now, of_link=isinstance(key, tuple) and isinstance(key[0], LinkId))
-            for key, (robot, text) in acting.items()
-            if key not in known
-        ]
+        self._causes += [_Cause(key, robot, text, now) for key, (robot, text) in acting.items() if key not in known]
         self._causes = [cause for cause in self._causes if cause.ends is None or cause.ends >= now - REMEMBERED]
 
     def _note_ring(self, now: float, away: set[int], playing: set[int]) -> None:

@@ -7,25 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from formation.errors import EchelonError
-from formation.schema import Duration, Model
-from formation.validation import problems, shown
-
-
-class _Seconds(Model):
-    """A time that a caller gives."""
-
-    seconds: Duration
-
-
-def time_of(name: str, value: object) -> float:
-    """A time [s], of a number or of text such as "2s". Raises EchelonError: it is none, below 0, or not finite."""
-    try:
-        return _Seconds.model_validate({"seconds": value}).seconds
-    except ValidationError as error:
-        raise EchelonError(f"{name}: {problems(error, _Seconds)[0].partition(': ')[2]}") from None
+from formation.validation import shown
 
 
 def whole(name: str, value: object, least: int) -> int:

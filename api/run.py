@@ -12,7 +12,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from api.arguments import time_of
 from api.intervening import Intervening, order
 from api.result import Result
 from api.scenarios import load, tell
@@ -21,6 +20,7 @@ from formation.errors import EchelonError
 from formation.link_ids import LinkId
 from formation.scenario.files import parse
 from formation.scenario.scenario import Scenario
+from formation.schema import time_of
 from network import control
 from network.control import Operation
 from network.messages import State

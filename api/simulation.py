@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import Any, Self
 
 from agents.controllers.interface import Observation
-from api.arguments import plain, time_of, whole
+from api.arguments import plain, whole
 from api.copying import copied, dumped, loaded
 from api.intervening import Intervening
 from api.result import Result
@@ -14,6 +14,7 @@ from api.scenarios import load, table_of, tell
 from formation.errors import EchelonError
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
+from formation.schema import time_of
 from network.control import Operation
 from network.messages import State
 from runtime.inprocess import Simulation as Engine

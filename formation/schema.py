@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, GetJsonSchemaHandler
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, GetJsonSchemaHandler, ValidationError
 
+from formation.errors import EchelonError
 from formation.units import SECONDS, SHARE, seconds, share
+from formation.validation import problems
 
 MAX_SCENARIO = 4 << 20
 """Bytes of a scenario, points included: as JSON it goes to every process."""
@@ -49,3 +51,17 @@ Probability = Annotated[FiniteFloat, BeforeValidator(share), Field(ge=0.0, le=1.
 """A share in 0..1, or text such as "30%"."""
 Duration = Annotated[FiniteFloat, BeforeValidator(seconds), Field(ge=0.0, le=LARGEST), Written("s", SECONDS)]
 """Seconds, or text such as "300ms"."""
+
+
+class _Seconds(Model):
+    """A time by itself."""
+
+    seconds: Duration
+
+
+def time_of(name: str, value: object) -> float:
+    """A time [s], of a number or of text such as "2s". Raises EchelonError: it is none, below 0, or not finite."""
+    try:
+        return _Seconds.model_validate({"seconds": value}).seconds
+    except ValidationError as error:
+        raise EchelonError(f"{name}: {problems(error, _Seconds)[0].partition(': ')[2]}") from None

@@ -6,14 +6,11 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
-from pydantic import ValidationError
-
-from formation.errors import FaultError
+from formation.errors import EchelonError, FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, with_changes
 from formation.link_ids import LinkId, every_link, links_named, plan_links
 from formation.scenario.scenario import Scenario
-from formation.schema import Duration, Model
-from formation.validation import problems
+from formation.schema import time_of
 
 KEPT_CHANGES = 5000
 """Fault tables that are kept of an episode, for a ghost that repeats it."""
@@ -21,12 +18,6 @@ TOLD_CHANGES = 25
 """Tables in one reply, at most ..."""
 TOLD_FAULTS = 8192
 """... and faults in them, unless there is one table: it fits into a message even if all links have every key set."""
-
-
-class _Until(Model):
-    """When a fault ends."""
-
-    until: Duration | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,11 +177,13 @@ class FaultState:
 
 def _end(until: float | str | None, now: float) -> float | None:
     """The time at which a fault ends [s], checked. Raises FaultError."""
+    if until is None:
+        return None
     try:
-        end = _Until.model_validate({"until": until}).until
-    except ValidationError as error:
-        raise FaultError("; ".join(problems(error, _Until))) from None
-    if end is not None and not now < end - 1e-9:
+        end = time_of("until", until)
+    except EchelonError as error:
+        raise FaultError(str(error)) from None
+    if not now < end - 1e-9:
         raise FaultError(f"until: expected a simulated time later than now, {now:g} s; got {end:g}")
     return end
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import echelon
-from api.arguments import plain, time_of, whole
+from api.arguments import plain, whole
+from formation.schema import time_of
 
 TINY: dict[str, Any] = {"duration": 0.1}
 GRID: dict[str, Any] = {"link.latency": [0.0]}

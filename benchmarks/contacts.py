@@ -34,6 +34,8 @@ SEED, RUNS, DURATION = 17, 300, 24.0
 STUCK, FREE = 4.0, 14.0
 """In every second run a robot that is drawn does not move in this time [s]."""
 WITHIN, PROGRESS = 0.25, 0.9
+ORDERS = [[0.0, 0.1, 0.2]]
+"""Of the path that is driven: a circle."""
 EVERY = 4
 """Ticks from plan to plan."""
 LATE = {"latency": 0.3}
@@ -88,6 +90,8 @@ def scenario_of(case: Case, arm: str) -> Scenario:
         "robots": {"avoid": avoid},
         "controller": {"name": controller, "plan_every": EVERY},
     }
+    if case.scenario == "drive-me":
+        raw["path"] = {"commands": ORDERS}
     if case.stuck:
         size = load(case.scenario).size
         robot = 1 + int(np.random.Generator(np.random.Philox(key=[SEED, 1 + case.number])).integers(size))

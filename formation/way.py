@@ -167,7 +167,7 @@ class HeardReference:
 
     def _go_round(self, here: FloatArray, gap: FloatArray, first: int) -> None:
         """Choose the point by way of which a gap (5,) closes, where the formation is here (5,): `_via` (2,) [m]."""
-        every = self._offsets.every.at(here[:1])[0]
+        every = self._offsets.every.after(float(here[TIME - 1]))
         facing, turn = here[FACING - 1], float(gap[FACING - 1])
         own = rotate(-facing, gap[X - 1 : Y])
         via = self._detour.via(every, first, own, turn)

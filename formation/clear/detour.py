@@ -7,6 +7,8 @@ sought among straight lines by way of points on circles, and the one that costs 
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +31,34 @@ ALIKE = 0.005
 """Of ways that cost about the same, the one is taken whose next point is nearest to the end [m]."""
 SLACK = 0.03
 """Share of what is kept that a robot on its way may lack: it can be a little beside a point that it should pass."""
-MOST = 32
+MOST = 16
 """Larger formations return straight."""
+
+
+class Ground(NamedTuple):
+    """What is in the way of some lost robots, and what the way back costs from where."""
+
+    lost: FloatArray
+    """(l, 2) offsets of the lost [m]."""
+    others: FloatArray
+    """(m, 2) offsets of the others [m]."""
+    kept: float
+    """Distance that a way shall keep [m]."""
+    points: FloatArray
+    """(K, 2) by way of which the gap may go; the first is zero [m]."""
+    costs: FloatArray
+    """(K,) of the way from each point to zero [m]."""
+
+    def shortfall(self, gap: FloatArray, turn: float, points: FloatArray) -> FloatArray:
+        """By how much robots come too near where the gap goes straight to points (K, 2), and the turn fades [m]."""
+        left = np.linspace(1.0, 0.0, PARTS + 1)
+        turned = rotate((left * turn)[:, None], self.lost)
+        apart = turned[:, :, None] - self.others  # (PARTS + 1, lost, others, 2)
+        shifts = points[:, None] + left[:, None] * (gap - points[:, None])
+        ways = shifts[:, :, None, None] + apart
+        near = _nearest(ways[:, :-1], ways[:, 1:]).reshape(len(points), -1).min(axis=1)
+        short: FloatArray = np.maximum((1.0 - SLACK) * self.kept - near, 0.0)
+        return short
 
 
 class Detour:
@@ -38,9 +66,7 @@ class Detour:
 
     def __init__(self, ring: Sequence[int]) -> None:
         """Robots as previews pass from one to the next, who knows the path first (numbers, from 1)."""
-        self._ring = list(ring)
-        self._made: tuple[int, bytes] | None = None
-        self._any = False
+        self._ring = tuple(ring)
 
     def via(self, offsets: FloatArray, first: int, gap: FloatArray, turn: float) -> FloatArray:
         """Where the gap should go next, (2,) in the formation's frame: zero if nothing is in the way [m].
@@ -51,50 +77,37 @@ class Detour:
             gap: (2,) from the place of the formation to that of the lost, in the formation's frame [m].
             turn: by how much the lost are turned against it [rad].
         """
-        if not self._prepare(offsets, first) or self._shortfall(gap, turn, self._points[:1])[0] == 0.0:
+        ground = _ground(self._ring, first, offsets.tobytes())
+        if ground is None or ground.shortfall(gap, turn, ground.points[:1])[0] == 0.0:
             return np.zeros(2)
-        costs = np.hypot(*(self._points - gap).T) + DEARER * self._shortfall(gap, turn, self._points) + self._costs
+        points = ground.points
+        costs = np.hypot(*(points - gap).T) + DEARER * ground.shortfall(gap, turn, points) + ground.costs
         alike = np.flatnonzero(costs <= costs.min() + ALIKE)
-        best: FloatArray = self._points[alike[self._costs[alike].argmin()]]
+        best: FloatArray = points[alike[ground.costs[alike].argmin()]]
         return best
 
-    def _prepare(self, offsets: FloatArray, first: int) -> bool:
-        """Points, and what the way from each to zero costs; False if there is nobody to go round."""
-        made = (first, offsets.tobytes())
-        if made == self._made:
-            return self._any
-        self._made = made
-        at = self._ring.index(first) if first in self._ring else 0
-        others, lost = ([robot - 1 for robot in some] for some in (self._ring[:at], self._ring[at:]))
-        self._any = bool(others and lost) and len(self._ring) <= MOST
-        if not self._any:
-            return False
-        self._lost, self._others = offsets[lost], offsets[others]
-        apart = (self._others[None] - self._lost[:, None]).reshape(-1, 2)
-        self._kept = KEPT * float(np.hypot(*apart.T).min())
-        reach = float(np.hypot(*self._lost.T).max() + np.hypot(*self._others.T).max()) + self._kept
-        angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
-        circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-        self._points = np.concatenate([np.zeros((1, 2)), *(share * reach * circle for share in CIRCLES)])
-        legs = np.hypot(*np.moveaxis(self._points[:, None] - self._points[None], -1, 0))
-        near = _nearest(self._points[:, None, None] - apart, self._points[None, :, None] - apart)
-        legs += DEARER * np.maximum(self._kept - near, 0.0)
-        costs = legs[:, 0]
-        for _ in range(LEGS - 2):
-            costs = (legs + costs).min(axis=1)
-        self._costs = costs
-        return True
 
-    def _shortfall(self, gap: FloatArray, turn: float, points: FloatArray) -> FloatArray:
-        """By how much robots come too near where the gap goes straight to points (K, 2), and the turn fades [m]."""
-        left = np.linspace(1.0, 0.0, PARTS + 1)
-        turned = rotate((left * turn)[:, None], self._lost)
-        apart = turned[:, :, None] - self._others  # (PARTS + 1, lost, others, 2)
-        shifts = points[:, None] + left[:, None] * (gap - points[:, None])
-        ways = shifts[:, :, None, None] + apart
-        near = _nearest(ways[:, :-1], ways[:, 1:]).reshape(len(points), -1).min(axis=1)
-        short: FloatArray = np.maximum((1.0 - SLACK) * self._kept - near, 0.0)
-        return short
+@lru_cache(maxsize=64)
+def _ground(ring: tuple[int, ...], first: int, data: bytes) -> Ground | None:
+    """For the offsets that have these bytes; None if there is nobody to go round."""
+    at = ring.index(first) if first in ring else 0
+    if at == 0 or len(ring) > MOST:
+        return None
+    offsets = np.frombuffer(data).reshape(-1, 2)
+    others, lost = (offsets[[robot - 1 for robot in some]] for some in (ring[:at], ring[at:]))
+    apart = (others[None] - lost[:, None]).reshape(-1, 2)
+    kept = KEPT * float(np.hypot(*apart.T).min())
+    reach = float(np.hypot(*lost.T).max() + np.hypot(*others.T).max()) + kept
+    angles = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    points = np.concatenate([np.zeros((1, 2)), *(share * reach * circle for share in CIRCLES)])
+    legs = np.hypot(*np.moveaxis(points[:, None] - points[None], -1, 0))
+    near = _nearest(points[:, None, None] - apart, points[None, :, None] - apart)
+    legs += DEARER * np.maximum(kept - near, 0.0)
+    costs = legs[:, 0]
+    for _ in range(LEGS - 2):
+        costs = (legs + costs).min(axis=1)
+    return Ground(lost, others, kept, points, costs)
 
 
 def _nearest(begin: FloatArray, end: FloatArray) -> FloatArray:

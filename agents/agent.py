@@ -129,7 +129,7 @@ class Agent:
             if receiver.pop(stamp):
                 plan = receiver.belief.plan
                 assert plan is not None
-                self._task.hear(plan.way, k + self._motors.delay)
+                self._task.hear(plan.way, k + self._motors.delay, plan.sender, plan.lost)
                 if receiver is self._receivers[0]:
                     self._estimator.hear(plan)
         if self._driver:
@@ -235,7 +235,7 @@ class Agent:
             measurements=self._estimator.measurements(),
             news=solution.news,
             way=task.preview(k),
-            lost=observation.lost,
+            lost=task.first_lost if observation.lost else 0,
             number=self._sending.next,
         )
 
@@ -274,7 +274,7 @@ class Agent:
             pid=pid,
             converged=self._converged,
             way_age=self._driver.age(k) if self._driver else self._task.way_age(k),
-            lost=sent is not None and sent.lost,
+            lost=sent is not None and sent.lost > 0,
             lag=sent.lag if sent else 0.0,
             way=sent.way if sent else NO_WAY,
             plan_bytes=self._sending.size,

@@ -2,7 +2,8 @@
 
 A change moves every robot straight from its old offset to its new one on the same smooth clock. With the robots
 assigned to the new offsets so that the sum of squared ways is least, and both shapes spaced by at least D, no two
-robots come closer than D / sqrt(2) (Turpin, Michael, Kumar: CAPT, Int. J. Robotics Research 33(1), 2014).
+robots come closer than D / sqrt(2) (Turpin, Michael, Kumar: CAPT, Int. J. Robotics Research 33(1), 2014). Where
+bodies need more than that, the formation opens while it changes (formation/clear/opening.py).
 """
 
 import math
@@ -14,12 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from formation.arrays import FloatArray, frozen
+from formation.clear.opening import Opening, opening, smooth
 from formation.formation_spec import Formation
 from formation.metrics import clearance, nearest
 from formation.paths.path import Path
 
-PEAK = 1.875
-"""Largest slope of the smooth step: 15/8."""
 SHARE = 0.5
 """How fast a slot moves within the formation at most, as a share of the path's speed: it then keeps going forwards."""
 LOOKOUT = 50
@@ -41,6 +41,7 @@ class _Move:
     reassigned: bool
     members: list[int]
     """Rows of the robots that have a place in the new shape."""
+    opening: Opening
 
 
 class Reach(NamedTuple):
@@ -56,22 +57,26 @@ class Reach(NamedTuple):
 class Offsets:
     """Where the robots stand in the body frame at time t."""
 
-    def __init__(self, formation: Formation, path: Path) -> None:
-        self._start, self._moves = formation.array, _moves(formation, path)
+    def __init__(self, formation: Formation, path: Path, width: float = 0.0) -> None:
+        """The offsets of a formation whose centre follows a path, and whose bodies have this width [m]."""
+        self.every = self
+        """Those of all robots, of which these may be some."""
+        self._start, self._moves = formation.array, _moves(formation, path, width)
         here, self.reaches = self._start, [Reach(-math.inf, 0.0, _reach(self._start))]
         """Of the shapes, one after the other."""
         for move in self._moves:
             here = here + move.way
             self.reaches.append(Reach(move.at, move.over, _reach(here)))
-        self.reach = max(each.reach for each in self.reaches)
+        self.reach = max(*(each.reach for each in self.reaches), *(move.opening.reach for move in self._moves), 0.0)
         """The largest distance of an offset from the centre, at any time [m]."""
 
     def rows(self, robots: Sequence[int]) -> "Offsets":
         """The same for some robots only (numbers, from 1), in this order."""
         picked = copy(self)
+        picked.every = self.every
         at = [robot - 1 for robot in robots]
         picked._start = self._start[at]
-        picked._moves = tuple(replace(move, way=move.way[at]) for move in self._moves)
+        picked._moves = tuple(replace(move, way=move.way[at], opening=move.opening.rows(at)) for move in self._moves)
         return picked
 
     def after(self, t: float) -> FloatArray:
@@ -114,7 +119,10 @@ class Offsets:
         """Offsets (T, n, 2) at times t (T,) [m]; (1, n, 2) if they never change."""
         found = self._start[None]
         for move in self._moves:
-            found = found + smooth((t - move.at) / move.over)[:, None, None] * move.way
+            s = (t - move.at) / move.over
+            found = found + smooth(s)[:, None, None] * move.way
+            if move.opening.by:
+                found = found + move.opening.at(s)
         return found
 
 
@@ -122,7 +130,7 @@ def _reach(offsets: FloatArray) -> float:
     return float(np.hypot(*offsets.T).max())
 
 
-def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
+def _moves(formation: Formation, path: Path, width: float) -> tuple[_Move, ...]:
     moves: list[_Move] = []
     here = formation.array
     for change in formation.changes:
@@ -132,8 +140,9 @@ def _moves(formation: Formation, path: Path) -> tuple[_Move, ...]:
         there = here.copy()
         there[rows] = places
         way = there - here
-        over = change.over or _time_for(float(np.hypot(*way.T).max()), change.at, path)
-        moves.append(_Move(change.at, over, frozen(way), change.reassign, rows))
+        opens = opening(here, there, rows, width)
+        over = change.over or _time_for(opens.peak, change.at, path)
+        moves.append(_Move(change.at, over, frozen(way), change.reassign, rows, opens))
         here = there
     return tuple(moves)
 
@@ -182,21 +191,15 @@ def assignment(here: FloatArray, there: FloatArray) -> list[int]:
     return taken
 
 
-def _time_for(way: float, at: float, path: Path) -> float:
-    """How long a change takes whose longest way is `way` [m], so that SHARE is kept [s]."""
+def _time_for(peak: float, at: float, path: Path) -> float:
+    """How long a change takes in which speed times length is at most `peak` [m], so that SHARE is kept [s]."""
     over = 1.0
     for _ in range(20):  # the path may be slower later on: lengthen until it fits
         t = at + over * np.linspace(0.0, 1.0, LOOKOUT)
         step = path.position(t + 0.01) - path.position(t - 0.01)
         speed = max(float(np.hypot(step[:, 0], step[:, 1]).min()) / 0.02, STANDSTILL)
-        needed = PEAK * way / (SHARE * speed)
+        needed = peak / (SHARE * speed)
         if needed <= over:
             break
         over = needed
     return over
-
-
-def smooth(s: FloatArray) -> FloatArray:
-    """0 before, 1 after, and a step between with two continuous derivatives: 6 s^5 - 15 s^4 + 10 s^3."""
-    s = np.clip(s, 0.0, 1.0)
-    return np.asarray(s**3 * (10.0 + s * (6.0 * s - 15.0)))

@@ -7,9 +7,10 @@ from typing import Protocol
 import numpy as np
 
 from formation.arrays import FloatArray
+from formation.clear.opening import PEAK, smooth
 from formation.errors import ScenarioError
 from formation.formation_spec import Formation
-from formation.offsets import PEAK, Reach, smooth
+from formation.offsets import Reach
 from formation.paths.path import Path, heading
 from formation.unicycle import wrap
 

@@ -53,6 +53,11 @@ def leader(away: Collection[int], *, follows: bool) -> int:
     return found
 
 
+def ring_from(first: int, robots: int, away: Collection[int] = ()) -> list[int]:
+    """The robots of the ring, one downstream of the other, from a robot on."""
+    return [robot for robot in (*range(first, robots + 1), *range(1, first)) if robot not in away]
+
+
 def neighbours(robot: int, robots: int, away: Collection[int] = ()) -> tuple[int, int, int]:
     """The robot upstream, the one upstream of that, and the one downstream."""
     other = upstream(robot, robots, away)

@@ -55,3 +55,21 @@ class Motion:
         # A slot that moves backwards keeps its heading within pi/2 of the path's, with v < 0.
         drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
         return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)
+
+
+def places_along(centre: FloatArray, offsets: Offsets) -> FloatArray:
+    """Slot positions (T, n, 2) where the centre is at rows (T, 5) of path time, x, y, heading and facing [m]."""
+    return centre[:, None, 1:3] + rotate(centre[:, None, 4], offsets.at(centre[:, 0]))
+
+
+def slots_along(centre: FloatArray, offsets: Offsets, tick: float) -> FloatArray:
+    """Slot poses (T, n, 3) of rows (T + 2, 5), a tick apart: where they are, and the direction in which they move."""
+    places = places_along(centre, offsets)
+    velocity = (places[2:] - places[:-2]) / (2.0 * tick)
+    theta = centre[1:-1, None, 3]
+    body = rotate(-theta, velocity)
+    drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+    found = np.empty((*theta.shape[:1], places.shape[1], 3))
+    found[..., :2] = places[1:-1]
+    np.add(theta, drift, out=found[..., 2])
+    return found

@@ -7,16 +7,18 @@ references fades like a critically damped spring.
 """
 
 import math
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
 from formation.arrays import FloatArray, IntArray
+from formation.clear.detour import Detour
 from formation.metrics import wrapped
 from formation.offsets import Offsets
 from formation.pattern import rotate
 from formation.reference import BEHIND_TICKS, BLOCK_TICKS, Block, block_of
-from formation.slot_motion import SLOW
+from formation.slot_motion import slots_along
 
 TICK, TIME, X, Y, THETA, FACING = range(6)
 """Columns of a preview, (m, 6); its rows are one prediction interval apart."""
@@ -48,6 +50,7 @@ class HeardReference:
         stride: int,
         horizon: int,
         v_max: float,
+        ring: Sequence[int],
         revised: bool = False,
     ) -> None:
         """A robot that knows the preview with which the episode begins.
@@ -59,6 +62,7 @@ class HeardReference:
             stride: ticks in one prediction interval.
             horizon: N.
             v_max: limit of the robots' speed [m/s].
+            ring: robots as previews pass from one to the next, who knows the path first (numbers, from 1).
             revised: whether a preview may differ from the ones before it where they overlap: the path is driven.
         """
         self._offsets, self._tick, self._stride, self._revised = offsets, control_interval, stride, revised
@@ -67,7 +71,7 @@ class HeardReference:
         self._ways = _ways_beyond(control_interval)
         self._speed, self._reach = SHARE * v_max, offsets.reach
         self._joined, self._gap, self._slope, self._rate = 0, np.zeros(5), np.zeros(5), RETURN
-        self._returning = False
+        self._returning, self._detour, self._via = False, Detour(ring), np.zeros(2)
         self._take(start)
         self.known = True
         """Whether there is anything to follow."""
@@ -84,20 +88,21 @@ class HeardReference:
         """Whether at tick k the preview is over, or a newer one is not reached yet."""
         if k > self.end or not self._returning:
             return k > self.end
-        gap = self._gap_at(np.array([k]))[0]
-        return math.hypot(gap[X - 1], gap[Y - 1]) > BACK
+        gap = self._gap_at(np.array([k]))[0, X - 1 : Y] + self._via
+        return math.hypot(*gap) > BACK
 
     def forget(self) -> None:
         """Nothing is known: the robot begins in the middle of an episode."""
         self.known = False
 
-    def hear(self, preview: FloatArray, k: int, late: int = 0) -> bool:
+    def hear(self, preview: FloatArray, k: int, late: int = 0, first: int = 0) -> bool:
         """Take a preview at tick k, if it is newer than what is known.
 
         Args:
             preview: (m, 6) that was heard.
             k: when the next command acts.
             late: ticks that the robot's reference time is behind; from k - late on the preview counts.
+            first: of the robots that are lost, as far as this one knows; 0 if it knows nothing of others.
 
         Returns:
             Whether it was taken.
@@ -114,12 +119,15 @@ class HeardReference:
         before = self._centre(k, k + 2)
         self._take(preview)
         self._joined, self._gap, self._slope = k, np.zeros(5), np.zeros(5)
-        self._returning = False
+        self._returning, self._via = False, np.zeros(2)
         if self.known:
-            apart = before - self._centre(k, k + 2)
+            here = self._centre(k, k + 2)
+            apart = before - here
             turns = slice(THETA - 1, None)
             apart[:, turns] = wrapped(apart[:, turns])
             if np.abs(apart).max() > CLOSED:
+                self._go_round(here[0], apart[0], first)
+                apart[:, X - 1 : Y] -= self._via
                 self._gap = apart[0]
                 self._rate = min(RETURN, 2.0 * self._speed / max(self._farthest(apart[0]), CLOSED))
                 self._slope = apart[1] * math.exp(self._rate * self._tick) - apart[0]
@@ -157,6 +165,17 @@ class HeardReference:
         if np.abs(turns[1:] - turns[:-1]).max() >= math.pi:
             turns[:] = np.unwrap(turns, axis=0)
 
+    def _go_round(self, here: FloatArray, gap: FloatArray, first: int) -> None:
+        """Choose the point by way of which a gap (5,) closes, where the formation is here (5,): `_via` (2,) [m]."""
+        every = self._offsets.every.after(float(here[TIME - 1]))
+        facing, turn = here[FACING - 1], float(gap[FACING - 1])
+        own = rotate(-facing, gap[X - 1 : Y])
+        via = self._detour.via(every, first, own, turn)
+        if via.any():
+            way = via - own
+            via = own + way * max(1.0, 2.0 * self._speed / RETURN / max(math.hypot(*way), CLOSED))
+            self._via = rotate(facing, via)
+
     def _gap_at(self, ticks: FloatArray) -> FloatArray:
         """What is left of the gap (T, 5) at these ticks (T,)."""
         passed = (ticks - self._joined)[:, None]
@@ -174,7 +193,10 @@ class HeardReference:
             self._inside(begin, min(end, over), found[: over - begin])
         if over < end:
             self._beyond(over - self.end, end - self.end, found[over - begin :])
-        return found + self._gap_at(np.arange(begin, end, dtype=float)) if self._returning else found
+        if self._returning:
+            found += self._gap_at(np.arange(begin, end, dtype=float))
+            found[:, X - 1 : Y] += self._via
+        return found
 
     def _inside(self, begin: int, end: int, found: FloatArray) -> None:
         """Cubics through the preview's rows, (T, 5) at ticks begin .. end - 1, of which none is beyond it."""
@@ -274,21 +296,3 @@ def _ways_beyond(tick: float) -> FloatArray:
     after = np.arange(math.ceil((HOLD + BRAKE) / tick) + 2) * tick
     braking = np.minimum(np.maximum(after - HOLD, 0.0), BRAKE)
     return np.asarray(np.minimum(after, HOLD) + braking - braking**2 / (2.0 * BRAKE))
-
-
-def places_along(centre: FloatArray, offsets: Offsets) -> FloatArray:
-    """Slot positions (T, n, 2) where the centre is at rows (T, 5) of path time, x, y, heading and facing [m]."""
-    return centre[:, None, X - 1 : Y] + rotate(centre[:, None, FACING - 1], offsets.at(centre[:, TIME - 1]))
-
-
-def slots_along(centre: FloatArray, offsets: Offsets, tick: float) -> FloatArray:
-    """Slot poses (T, n, 3) of rows (T + 2, 5), a tick apart: where they are, and the direction in which they move."""
-    places = places_along(centre, offsets)
-    velocity = (places[2:] - places[:-2]) / (2.0 * tick)
-    theta = centre[1:-1, None, THETA - 1]
-    body = rotate(-theta, velocity)
-    drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-    found = np.empty((*theta.shape[:1], places.shape[1], 3))
-    found[..., :2] = places[1:-1]
-    np.add(theta, drift, out=found[..., 2])
-    return found

@@ -38,7 +38,7 @@ from network.requests import Reply, Request, Setup
 from network.stretch import Recording, Stretch
 from network.values import Driving, Event, Excursion, LinkCounts, Mode, Pushed, RecordWish, RunStatus
 
-VERSION = 7
+VERSION = 8
 """Of the wire: processes of another version refuse each other's bytes."""
 WORLD = link_ids.WORLD  # the sender number of the world
 
@@ -114,8 +114,9 @@ class Plan:
     """Of every robot known to need the formation to wait, the newest word; the tick is where that plan begins."""
     way: Way = field(default_factory=lambda: values.NO_WAY)
     """The newest preview of the path that it knows; empty where every robot knows the path."""
-    lost: Flag = False
-    """Whether its preview is over, or it is not back yet in the place that a newer one gives it."""
+    lost: Sender = 0
+    """0, unless its preview is over or it is not back yet in the place that a newer one gives it: then the first robot
+    in the ring of which it knows that it is lost, itself or one upstream."""
     number: Count = 0
     """Of the plans that the sender sent in this episode, from 0: a gap is a loss, a plan that was not sent is none."""
     __pydantic_config__ = STRICT

@@ -39,6 +39,7 @@ INSIDE: dict[str, list[set[str]]] = {
         {"shapes", "schema", "metrics"},
         {"link_ids"},
         {"formation_spec", "faults", "disturbances", "paths", "bodies"},
+        {"clear"},
         {"offsets"},
         {"orientation"},
         {"slot_motion"},

@@ -120,7 +120,7 @@ class BestResponse:
         """f_q of one neighbour."""
         if neighbour is None:
             return 0.0
-        if neighbour.plan is not None and neighbour.plan.lost != observation.lost:
+        if neighbour.plan is not None and (neighbour.plan.lost > 0) != observation.lost:
             return 0.0  # they follow different references: an edge between them means nothing
         age = neighbour.age if self._sources else math.inf
         if not (neighbour.seen or math.isfinite(age)):

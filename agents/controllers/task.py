@@ -47,7 +47,8 @@ class Task:
         self._rounded = rounded = spec_of(controller).rounds_corners
         leads = robot == leader(away, follows=scenario.path.leader == "next")
         knows = scenario.path.known_to == "all" or (leads and not scenario.driven)
-        self.way: HeardReference | None = None if knows else scenario.heard_reference(columns, rounded=rounded)
+        told = None if knows else scenario.heard_reference(columns, away, rounded=rounded)
+        self.way: HeardReference | None = told
         """The reference of a robot that is told the path; None if it knows it."""
         self.reference = self.way or scenario.reference(columns, rounded=rounded)
         self._tells = scenario.path.known_to == "leader"
@@ -60,6 +61,8 @@ class Task:
         """Ticks from one plan to the next."""
         self.columns_of_sides = (1, 3)
         """Columns of the upstream and the downstream neighbour."""
+        self.first_lost = robot
+        """If the robot is lost: the first in the ring that is, as far as it knows."""
         self.lag = 0.0
         """How far the robot's reference time is behind the clock [s]; waiting sets it."""
         self.pace = 1.0
@@ -75,9 +78,18 @@ class Task:
             self.reference = scenario.reference(self._columns, rounded=self._rounded)
         self._ahead = self._table = None
 
-    def hear(self, way: FloatArray, k: int) -> None:
-        """A neighbour's preview of the path came in; from tick k on it counts, or from the reference time then."""
-        if self.way is not None and self.way.hear(way, k, self._late):
+    def hear(self, way: FloatArray, k: int, sender: int = 0, lost: int = 0) -> None:
+        """A neighbour's preview of the path came in; from tick k on it counts, or from the reference time then.
+
+        Args:
+            way: the preview.
+            k: when the next command acts.
+            sender: the neighbour; 0 for the driver.
+            lost: of its plan.
+        """
+        if sender == self._columns[1]:
+            self.first_lost = lost or self.robot
+        if self.way is not None and self.way.hear(way, k, self._late, self.first_lost):
             self._ahead = self._table = None
 
     def preview(self, k: int) -> FloatArray:

@@ -173,6 +173,10 @@ class Bodies(Model):
         """Of robots 1 to this one [m]."""
         return [self.of(robot).radius or self.radius for robot in range(1, robots + 1)]
 
+    def width(self, robots: int) -> float:
+        """Of the widest of so many robots [m]."""
+        return 2.0 * max(self.radii(robots))
+
     @property
     def footprint(self) -> bool:
         """Whether the preset is a robot of a known size."""

@@ -7,7 +7,7 @@ from formation.driving.law import Law, Order
 from formation.driving.track import Track
 from formation.offsets import Offsets
 from formation.reference import Block, block_of
-from formation.way import places_along, slots_along
+from formation.slot_motion import places_along, slots_along
 
 
 class DrivenReference:

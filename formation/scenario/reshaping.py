@@ -3,13 +3,13 @@
 from collections.abc import Collection, Iterable
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
+from formation.clear.opening import opening
 from formation.errors import ScenarioError
 from formation.formation_spec import MAX_CHANGES, Change, Shape
 from formation.metrics import nearest
-from formation.offsets import PEAK, SHARE, assignment
+from formation.offsets import SHARE, assignment
 from formation.scenario.fitting import factor, too_narrow
 from formation.scenario.scenario import Scenario
 from formation.shapes import FIXED_SIZES
@@ -57,7 +57,8 @@ def change_of(
             there = named.array_for(n)
             there = there[assignment(here, there)]
         if over is None and scenario.driven:
-            over = max(AT_REST, PEAK * float(np.hypot(*(there - here).T).max()) / (SHARE * scenario.law.speed))
+            peak = opening(here, there, list(range(n)), scenario.bodies.width(scenario.size)).peak
+            over = max(AT_REST, peak / (SHARE * scenario.law.speed))
         wanted = {"at": at, "offsets": there.tolist(), "spacing": nearest(there)[2], "reassign": False}
         more = {"over": over, "without": sorted(away) or None, "named": shape or _form(scenario, at)[0]}
         return Change.model_validate({**wanted, **{key: value for key, value in more.items() if value is not None}})

@@ -1,6 +1,6 @@
 """Scenario files: path, formation, robots, controller, faults and noise (docs/design.md, section 7)."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from functools import cached_property
 from typing import Annotated
 
@@ -24,7 +24,7 @@ from formation.orientation import orientation_of
 from formation.paths.driven import Driven
 from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
-from formation.pattern import Pattern, pattern
+from formation.pattern import Pattern, leader, pattern, ring_from
 from formation.reference import Block, Reference
 from formation.scenario import places
 from formation.scenario.any_controller import AnyController
@@ -120,11 +120,9 @@ class Scenario(Model):
         self.estimator.ticks_late(self.control_interval)
         for line in (*robots_missing(self.disturbances, self.size), *self.membership.mistakes(self.formation)):
             raise ValueError(line)
-        wrong = self.offsets.crowded()
-        if wrong:
+        if wrong := self.offsets.crowded():
             raise ValueError(f"formation.changes: {wrong}")
-        wrong = spike(self.path, self.offsets.reach) if self.formation.orientation == "path" else ""
-        if wrong:
+        if self.formation.orientation == "path" and (wrong := spike(self.path, self.offsets.reach)):
             raise ValueError(f"path: {wrong}")
         return self
 
@@ -171,7 +169,7 @@ class Scenario(Model):
     @cached_property
     def offsets(self) -> Offsets:
         """Where the robots stand in the formation, by the path's time."""
-        return Offsets(self.formation, self.path)
+        return Offsets(self.formation, self.path, self.bodies.width(self.size))
 
     @property
     def _waits_for_lost(self) -> bool:
@@ -229,8 +227,10 @@ class Scenario(Model):
         """The reference around t = 0, before any order."""
         return (self.driving() if self.driven else self.reference()).block(0)
 
-    def heard_reference(self, robots: Iterable[int], *, rounded: bool = False) -> HeardReference:
-        """The reference of robots that are told the path; arguments as of `reference`."""
+    def heard_reference(
+        self, robots: Iterable[int], away: Collection[int] = (), *, rounded: bool = False
+    ) -> HeardReference:
+        """The reference of robots that are told the path; arguments as of `reference`, and who has left the ring."""
         start = self.driving([1]).preview(-1) if self.driven else self.reference([1], rounded=rounded).preview(0)
         return HeardReference(
             self.offsets.rows(list(robots)),
@@ -239,6 +239,7 @@ class Scenario(Model):
             stride=self.stride,
             horizon=self.controller.horizon,
             v_max=self.robots.limits.v,
+            ring=ring_from(leader(away, follows=self.path.leader == "next"), self.size, away),
             revised=self.driven,
         )
 

@@ -37,6 +37,7 @@ TURNS = [[1.0, 0.05, 0.0], [15.0, 0.05, 0.15], [45.0, 0.05, -0.15], [75.0, 0.06,
 BODIES = {"bodies": {"preset": "camera"}}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "default": ("follow-the-leader", {}),
+    "avoid": ("follow-the-leader", {"robots": {"avoid": True}}),
     "drive-me": ("drive-me", {"path": {"kind": "driven", "commands": TURNS, "start": [0.0, 0.0, 1.5708]}}),
     "hexagon": ("hexagon-sinusoid", {"path": {"kind": "sinusoid", "known_to": "leader"}, **BODIES}),
     "triangle": ("triangle-circle", {"path": {"kind": "circle", "known_to": "leader"}, **BODIES}),

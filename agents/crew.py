@@ -43,6 +43,11 @@ class Crew:
         """Feed it again after this long [s], if nothing arrives before."""
         return min(node.patience for node in self.nodes.values())
 
+    @property
+    def enough(self) -> int:
+        """It need not be woken for fewer plans."""
+        return min(node.enough for node in self.nodes.values())
+
     def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
         """Take what has arrived.
 

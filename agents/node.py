@@ -82,20 +82,16 @@ class AgentNode:
     @property
     def patience(self) -> float:
         """Feed it again after this long [s], if nothing arrives before."""
-        if self._status_of is not None:
-            return 0.0
-        return ASK_SECONDS if self.state in (State.NEW, State.ASKING) else 0.5
+        pause = ASK_SECONDS if self.state in (State.NEW, State.ASKING) else 0.5
+        return pause if self._status_of is None else 0.0
+
+    @property
+    def enough(self) -> int:
+        """It need not be woken for fewer plans: unless it waits for one, it looks at them when there is a tick."""
+        return 1 if self.state is State.BLOCKED else KEPT_PLANS
 
     def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
-        """Take what has arrived.
-
-        Args:
-            arrivals: oldest first.
-            now: monotonic time [s].
-
-        Returns:
-            What is to be done, in order.
-        """
+        """Take what has arrived, oldest first, at monotonic time `now` [s]. What is to be done, in order."""
         if self._status_of is not None:
             self._publish_status(self._status_of)
         for item in arrivals:

@@ -24,4 +24,4 @@ def run(bus: Bus, robots: Collection[int], lifetime: Lifetime) -> None:
     node = Crew(bus.run, robots, pid=pid) if len(robots) > 1 else AgentNode(bus.run, *robots, pid=pid)
     perform(bus, node.feed([], monotonic()), log)
     while not lifetime.over:
-        perform(bus, node.feed(bus.arrivals(node.patience), monotonic()), log)
+        perform(bus, node.feed(bus.arrivals(node.patience, node.enough), monotonic()), log)

@@ -71,7 +71,7 @@ def measure_real(checkout: Checkout, robots: int, seconds: float, rate: float) -
     """Rate [ticks/s] and processor time of all processes per tick [us]: of a long run less a short one."""
     short, long = 2.0, 2.0 + max(4.0, seconds * rate * TICK)  # simulated [s]
     settings = (f"--set=formation.{s}" for s in ("shape=polygon", f"robots={robots}", "spacing=0.2"))
-    options = ("--engine=processes", *settings)
+    options = ("--engine=processes", "--together=1", *settings)  # as the bare ones
     found = []
     for duration in (short, long):
         before = _children()

@@ -74,6 +74,24 @@ def add_record(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_together(parser: argparse.ArgumentParser) -> None:
+    """How many agents share a process."""
+    parser.add_argument(
+        "--together",
+        type=int,
+        metavar="N",
+        help="agents in a process (default: 1; of many robots a process a core has as many as it takes)",
+    )
+
+
+def together(options: argparse.Namespace) -> int | None:
+    """Agents in a process, if the user says so. Raises EchelonError."""
+    wished: int | None = options.together
+    if wished is not None and wished < 1:
+        raise EchelonError(f"--together: expected 1 or more; got {wished}")
+    return wished
+
+
 def record_file(options: argparse.Namespace, name: str) -> Path | None:
     """The file to record in, None for none.
 

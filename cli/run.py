@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from cli.hosting import Hosting, add_hosting, hosting, tell_how_to_join
-from cli.options import add_record, add_scenario, load, record_file, tell, time, warn
+from cli.options import add_record, add_scenario, add_together, load, record_file, tell, time, together, warn
 from cli.terminal.figures import figure
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--warmup", type=time, default=0.0, metavar="T", help="measures start at this simulated time")
     parser.add_argument("--realtime", action="store_true", help="step by the wall clock (processes only)")
     add_record(parser)
+    add_together(parser)
     add_hosting(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -44,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
         raise EchelonError("--realtime: expected --engine processes; in one process there is no wall clock")
     if options.listen is not None and options.engine == "inprocess":
         raise EchelonError("--listen: expected --engine processes; other hosts run processes")
+    if together(options) is not None and options.engine == "inprocess":
+        raise EchelonError("--together: expected --engine processes; in one process all are together")
     hosts = hosting(options)
     warn(scenario)
     record = record_file(options, scenario.name)
@@ -89,6 +92,7 @@ def _processes(
         tell=tell,
         speed=1.0 if options.realtime else 0.0,
         realtime=options.realtime,
+        together=options.together,
         record=None if record is None else str(record),
         detail=options.detail,
         **hosts,

@@ -19,6 +19,8 @@ from network.messages import Message
 from network.requests import Reply, Request, Setup
 from network.throttled_log import ThrottledLog
 
+QUIET = ("/plan", "/command", "/status")
+"""Ends of the keys whose samples a reader need not be woken for one by one."""
 MAX_ARRIVALS = 1000
 """Arrivals that are taken at a time, so that a flood does not keep a process from its work."""
 
@@ -221,11 +223,16 @@ class Bus(Protocol):
     ) -> None:
         self.close()
 
-    def arrivals(self, seconds: float = 0.0) -> list[Incoming]:
-        """What has come in, oldest first; if nothing has, wait at most so long [s] for something."""
+    def arrivals(self, seconds: float = 0.0, enough: int = 1) -> list[Incoming]:
+        """What has come in, oldest first; if nothing has, wait at most so long [s] for something.
+
+        Args:
+            seconds: longest wait.
+            enough: so many plans, commands and statuses end the wait, or anything else.
+        """
         inbox = self.inbox
         try:
-            found = [inbox.get(timeout=seconds) if seconds > 0.0 else inbox.get_nowait()]
+            found = [inbox.get(seconds, enough) if seconds > 0.0 else inbox.get_nowait()]
         except Empty:
             return []
         while len(found) < MAX_ARRIVALS and not inbox.empty():  # only this process's loop takes from the inbox

@@ -11,7 +11,7 @@ from functools import partial
 from typing import NamedTuple
 
 from network import control
-from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
+from network.bus import QUIET, Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import encode
 from network.inbox import Inbox
 from network.messages import Message
@@ -220,7 +220,7 @@ class MemoryBus(Bus):
         if self.react is not None:
             self.react(item)
         else:
-            self.inbox.put(item)
+            self.inbox.put(item, quietly=isinstance(item, Sample) and item.key.endswith(QUIET))
 
     def receive_presence(self, other: "MemoryBus", *, here: bool) -> None:
         """Another process, or this one, has come or gone."""

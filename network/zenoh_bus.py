@@ -18,7 +18,7 @@ from formation.errors import EchelonError
 from network import control, topics
 from network.access.keys import LOCAL, Keys, check, protocol
 from network.access.rules import access_list
-from network.bus import Attendance, Bus, Connection, Incoming, Query, Response, Sample
+from network.bus import QUIET, Attendance, Bus, Connection, Incoming, Query, Response, Sample
 from network.codec import MAX_BYTES, encode
 from network.inbox import Inbox
 from network.messages import Message
@@ -130,16 +130,17 @@ class ZenohBus(Bus):
         return bool(self._session.info.routers_zid())
 
     def subscribe(self, key: str) -> None:
+        quietly = key.endswith(QUIET)
         if "*" in key:
 
             def take(sample: zenoh.Sample) -> None:
                 _keep_thread()
-                self.inbox.put(Sample(str(sample.key_expr), _bytes(sample.payload)))
+                self.inbox.put(Sample(str(sample.key_expr), _bytes(sample.payload)), quietly=quietly)
         else:
 
             def take(sample: zenoh.Sample) -> None:
                 _keep_thread()
-                self.inbox.put(Sample(key, _bytes(sample.payload)))
+                self.inbox.put(Sample(key, _bytes(sample.payload)), quietly=quietly)
 
         self._subscribers[key] = self._session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
 

@@ -59,7 +59,7 @@ class LiveRun:
             tell: called with a line for the user.
             listening: for other hosts.
             here: robots whose agents this host runs; None: all.
-            together: agents in a process; None: as many as this machine wants.
+            together: agents in a process; None: what runtime/machine/sharing.py finds.
             options: of runtime.process_list.RunPlan.
 
         Raises:
@@ -75,7 +75,7 @@ class LiveRun:
         self._name, self._options = name, options
         self._claim: Claim | None = None
         self._supervisor = Supervisor(name, tell)
-        self._sharing = Sharing(tell, together)
+        self._sharing = Sharing(tell, together, lockstep=not options.get("realtime", False))
         self._endings = Endings()
         self._listening, self._here = listening, here
         self.reception: Reception | None = None
@@ -128,7 +128,7 @@ class LiveRun:
         return replace(self._plan, together=self._sharing.size(here))
 
     def _agents(self, missing: Iterable[int]) -> list[Program]:
-        """Processes of agents that are missing."""
+        """Processes of agents that are missing, or whose process ended with another's."""
         robots = len(self._state.poses) if self._state else self._scenario.size
         return agents(self._shared(robots), missing)
 

@@ -1,7 +1,7 @@
 """The processes of a run, all in one list: what `echelon up` starts and what compose.yaml holds."""
 
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from formation.scenario.overrides import Overrides, to_json
 from formation.scenario.scenario import Scenario
@@ -19,7 +19,7 @@ class Program:
     module: str
     arguments: tuple[str, ...]
     robots: frozenset[int] = frozenset()
-    """Whose agents it has; of several the last argument names them."""
+    """Whose agents it has."""
 
     @property
     def name(self) -> str:
@@ -27,11 +27,6 @@ class Program:
         if self.robots:
             return f"agent{'s' if len(self.robots) > 1 else ''} {spelled(self.robots)}"
         return f"{self.role} {self.number}" if self.number else self.role
-
-    def without(self, robots: Collection[int]) -> "Program | None":
-        """The same process of several agents without those of some robots; None if none is left."""
-        left = self.robots.difference(robots)
-        return replace(self, arguments=(*self.arguments[:-1], spelled(left)), robots=left) if left else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,26 +64,27 @@ class Supervisor:
                 process.start()
                 self._running[program] = process
 
-    def keep_down(self, numbers: Iterable[int], why: str) -> None:
-        """Kill the agents of these robots, and do not bring them back; `start` does. The user reads why.
+    def keep_down(self, numbers: Iterable[int], why: str, agents: Callable[[Iterable[int]], Iterable[Program]]) -> None:
+        """Kill the agents of these robots, and do not bring them back; `start` does.
 
-        Others that share a process with them are started again.
+        Args:
+            numbers: of the robots.
+            why: for the user.
+            agents: the processes of the agents of some robots: of others that share one with them.
         """
         down = set(numbers)
         for program in [program for program in self._again if program.robots & down]:
-            self._start_later(program.without(down), self._again.pop(program))
+            at = self._again.pop(program)
+            self._again |= dict.fromkeys(agents(program.robots - down), at)
         for program in [program for program in self._running if program.robots & down]:
             process = self._running.pop(program)
             process.kill()
             process.join(STOP_SECONDS)
-            others = program.without(down)
-            self._start_later(others, monotonic())
-            shared = f", with its process; starting again: {others.name}" if others else ""
+            others = list(agents(program.robots - down))
+            self._again |= dict.fromkeys(others, monotonic())
+            again = ", ".join(other.name for other in others)
+            shared = f", with its process; starting again: {again}" if again else ""
             self._tell(f"agent {spelled(program.robots & down)} {why}{shared}")
-
-    def _start_later(self, program: Program | None, at: float) -> None:
-        if program is not None:
-            self._again[program] = at
 
     @property
     def roles(self) -> set[str]:

@@ -74,6 +74,11 @@ class WorldNode:
             return min(max(0.0, self._rate.left(now)), IDLE_SECONDS)
         return IDLE_SECONDS
 
+    @property
+    def enough(self) -> int:
+        """It need not be woken for fewer messages of agents."""
+        return max(1, len(self._awaited - self._commands.keys())) if self.phase is Phase.ASK else 1
+
     def feed(self, arrivals: Iterable[Incoming], now: float) -> list[Action]:
         """Take what has arrived, and go on as far as that allows.
 

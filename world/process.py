@@ -59,7 +59,7 @@ def run(
         bus.announce(key)
     shown = 0
     while not (lifetime.over or node.over):
-        actions = feed(bus.arrivals(node.patience(monotonic())), monotonic())
+        actions = feed(bus.arrivals(node.patience(monotonic()), node.enough), monotonic())
         if saver is not None:
             saver.look(parts)
         perform(bus, actions, log)

@@ -12,7 +12,7 @@ from setproctitle import setproctitle
 
 from cli.hosting import add_hosting, hosting, tell_how_to_join
 from cli.light_options import DEFAULT_PORT, LOOPBACK
-from cli.options import add_record, add_scenario, load, record_file, tell, warn
+from cli.options import add_record, add_scenario, add_together, load, record_file, tell, together, warn
 from dashboard.serving import access
 from formation.errors import EchelonError
 from formation.scenario.scenario import Scenario
@@ -60,9 +60,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ENDPOINT[,domain=0]",
         help="show the robots to the ROS 2 at this router",
     )
-    parser.add_argument(
-        "--together", type=int, metavar="N", help="agents in a process (default: 1, or what many robots want here)"
-    )
+    add_together(parser)
     add_record(parser)
 
 
@@ -70,8 +68,7 @@ def run(options: argparse.Namespace) -> int:
     """Run until Ctrl-C or a stop request."""
     scenario, _ = load(options)
     checked_speed(options.speed, "--speed")
-    if options.together is not None and options.together < 1:
-        raise EchelonError(f"--together: expected 1 or more; got {options.together}")
+    wished = together(options)
     hosts = hosting(options)
     dashboard = None if options.no_dashboard else (options.host, _port(options.host, options.port))
     token = access.given_token(options.token)
@@ -95,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
         robots=tuple((number, str(spec)) for number, spec in robots.items()),
         speed=options.speed,
         paused=options.paused,
-        together=options.together,
+        together=wished,
         endless=True,
         ghost=True,
         record=None if record is None else str(record),

@@ -171,7 +171,8 @@ class Bodies(Model):
 
     def radii(self, robots: int) -> list[float]:
         """Of robots 1 to this one [m]."""
-        return [self.of(robot).radius or self.radius for robot in range(1, robots + 1)]
+        own = {entry.robot: entry.radius for entry in self.robots}
+        return [own.get(robot) or self.radius for robot in range(1, robots + 1)]
 
     def width(self, robots: int) -> float:
         """Of the widest of so many robots [m]."""

@@ -20,7 +20,7 @@ from formation.feasibility import Feasibility, examine, unexamined
 from formation.formation_spec import Formation
 from formation.link_ids import links_named
 from formation.offsets import Offsets
-from formation.orientation import orientation_of
+from formation.orientation import Orientation, orientation_of
 from formation.paths.driven import Driven
 from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
@@ -244,16 +244,17 @@ class Scenario(Model):
         )
 
     def _motion(self, robots: list[int] | None = None, *, rounded: bool) -> Motion:
-        offsets, interval = self.offsets, self.controller.prediction_interval
-        orientation = orientation_of(
-            self.formation,
-            self.path,
-            interval=interval,
-            reaches=offsets.reaches,
-            rounded=rounded,
-            tight=lambda reach: bool(self._turns(reach)),
-        )
-        return Motion(self.path, offsets if robots is None else offsets.rows(robots), orientation, interval)
+        offsets, interval, made = self.offsets, self.controller.prediction_interval, self._found[1]
+        if rounded not in made:
+            made[rounded] = orientation_of(
+                self.formation,
+                self.path,
+                interval=interval,
+                reaches=offsets.reaches,
+                rounded=rounded,
+                tight=lambda reach: bool(self._turns(reach)),
+            )
+        return Motion(self.path, offsets if robots is None else offsets.rows(robots), made[rounded], interval)
 
     @cached_property
     def _schedule(self) -> Schedule:
@@ -261,17 +262,17 @@ class Scenario(Model):
         return Schedule(self._motion(rounded=True), self._limits, self.control_interval)
 
     @cached_property
-    def _tight_turns(self) -> dict[float, list[Turn]]:
-        return {}  # by reach [m]
+    def _found(self) -> tuple[dict[float, list[Turn]], dict[bool, Orientation]]:
+        """Turns that are too tight, by reach [m]; orientations, by `rounded`, for all robots: they are long to make."""
+        return {}, {}
 
     def _turns(self, reach: float) -> list[Turn]:
-        interval, step = self.controller.prediction_interval, self.control_interval
+        interval, step, found = self.controller.prediction_interval, self.control_interval, self._found[0]
         if self.formation.orientation != "path":
             return []
-        if reach not in self._tight_turns:
-            found = tight_turns(self.path, reach=reach, interval=interval, step=step, until=self._examined)
-            self._tight_turns[reach] = found
-        return self._tight_turns[reach]
+        if reach not in found:
+            found[reach] = tight_turns(self.path, reach=reach, interval=interval, step=step, until=self._examined)
+        return found[reach]
 
     @property
     def _limits(self) -> FloatArray:

@@ -29,11 +29,13 @@ class AgentKeeper:
         """
         robots = set(range(1, min(len(state.poses), MAX_ROBOTS) + 1))
         own = robots if here is None else robots & here
-        self._supervisor.keep_down(state.dismissed, "killed, as asked")
-        surplus = self._supervisor.numbers - robots
-        self._supervisor.keep_down(surplus, f"ended: the scenario has {len(robots)} robots")
-        self._supervisor.keep_down(self._supervisor.numbers - own, "ended: another host runs it now")
+        self._keep_down(state.dismissed, "killed, as asked")
+        self._keep_down(self._supervisor.numbers - robots, f"ended: the scenario has {len(robots)} robots")
+        self._keep_down(self._supervisor.numbers - own, "ended: another host runs it now")
         absent = set(state.waiting_for) - set(state.dismissed)
         missing = absent & own - self._supervisor.numbers
         if missing:
             self._supervisor.start(self._agents(missing))
+
+    def _keep_down(self, robots: Iterable[int], why: str) -> None:
+        self._supervisor.keep_down(robots, why, self._agents)

@@ -65,6 +65,26 @@ def test_a_false_setup_asked_for_by_the_tick_that_the_world_waits_with_is_given_
     assert commands(node.feed([response(true)], 1.1) + node.feed([waits], 1.2)) >= 1
 
 
+def test_an_agent_is_woken_for_a_plan_only_while_it_waits_for_one() -> None:
+    node = AgentNode("x", 1)
+    world, _ = world_with(node)
+    other = AgentNode("x", node._agent.upstream if node._agent else 0)
+    other.feed([], 0.0)
+    other.feed([response(world.setup())], 0.1)
+    plan = next(
+        Sample(action.key, encode(action.message))
+        for action in other.feed([tick(world)], 0.2)
+        if isinstance(action, Publish) and action.key.endswith("/plan")
+    )
+    assert commands(node.feed([tick(world)], 0.2)) == 1
+    assert node.enough > 1
+    later = replace(world.tick(), seq=1, stamp=0.01, planned=[1, 2, 3])
+    assert commands(node.feed([Sample(topics.tick("x"), encode(later))], 0.3)) == 0
+    assert node.enough == 1
+    assert commands(node.feed([plan], 0.4)) == 1
+    assert node.enough > 1
+
+
 def test_an_older_setup_that_arrives_late_changes_nothing() -> None:
     node = AgentNode("x", 1)
     world, _ = world_with(node)

@@ -80,3 +80,77 @@ def test_a_reader_is_woken() -> None:
         writer.start()
         assert box.get(timeout=20.0) == i
         writer.join()
+
+
+def test_quiet_items_wake_the_reader_when_they_are_enough() -> None:
+    box: Inbox[int] = Inbox()
+    found: list[int] = []
+
+    def read() -> None:
+        found.append(box.get(20.0, enough=3))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    for i in range(2):
+        box.put(i, quietly=True)
+    reader.join(0.05)
+    assert reader.is_alive()
+    box.put(2, quietly=True)
+    reader.join(20.0)
+    assert found == [0]
+
+
+@pytest.mark.parametrize("early", [False, True], ids=["while it waits", "before it waits"])
+def test_any_other_item_wakes_the_reader_at_once(early: bool) -> None:
+    box: Inbox[int] = Inbox()
+    box.put(0, quietly=True)
+    found: list[int] = []
+
+    def read() -> None:
+        found.append(box.get(20.0, enough=100))
+
+    if early:
+        box.put(1)
+    reader = threading.Thread(target=read)
+    reader.start()
+    if not early:
+        reader.join(0.02)
+        assert reader.is_alive()
+        box.put(1)
+    reader.join(10.0)
+    assert found == [0]
+    assert box.get_nowait() == 1
+
+
+def test_after_the_limit_fewer_are_enough() -> None:
+    box: Inbox[int] = Inbox()
+    box.put(0, quietly=True)
+    began = monotonic()
+    assert box.get(0.05, enough=2) == 0
+    assert monotonic() - began >= 0.05
+    with pytest.raises(Empty):
+        box.get(0.01, enough=2)
+
+
+def test_many_quiet_writers_and_a_reader_that_waits_for_all_of_them() -> None:
+    box: Inbox[int] = Inbox()
+    rounds, writers = 500, 4
+    gates = [threading.Semaphore(0) for _ in range(writers)]
+
+    def write(writer: int) -> None:
+        for _ in range(rounds):
+            gates[writer].acquire()
+            box.put(writer, quietly=True)
+
+    threads = [threading.Thread(target=write, args=(writer,)) for writer in range(writers)]
+    for thread in threads:
+        thread.start()
+    began = monotonic()
+    for _ in range(rounds):
+        for gate in gates:
+            gate.release()
+        found = [box.get(5.0, enough=writers)] + [box.get_nowait() for _ in range(writers - 1)]
+        assert sorted(found) == list(range(writers))
+    assert monotonic() - began < rounds * 0.5  # never to the limit
+    for thread in threads:
+        thread.join()

@@ -83,7 +83,8 @@ def test_python_keeps_its_state_of_the_thread_that_receives(
     sender, listener = pair
     here, counts = threading.local(), list[int]()
 
-    def put(_: object) -> None:
+    def put(_: object, *, quietly: bool) -> None:
+        del quietly
         here.count = getattr(here, "count", 0) + 1
         counts.append(here.count)
 

@@ -15,13 +15,11 @@ from runtime.machine.sharing import SURE, Sharing
 from runtime.process_list import RunPlan, agents
 
 
-@given(st.sets(st.integers(1, 1024), min_size=1, max_size=40), st.integers(1, 50), st.sets(st.integers(1, 1024)))
-def test_every_robot_has_one_agent_whoever_shares_a_process(robots: set[int], together: int, ended: set[int]) -> None:
+@given(st.sets(st.integers(1, 1024), min_size=1, max_size=40), st.integers(1, 50))
+def test_every_robot_has_one_agent_whoever_shares_a_process(robots: set[int], together: int) -> None:
     found = agents(RunPlan("x", "", "unixsock-stream/x", (), together=together), robots)
     assert sorted(robot for program in found for robot in program.robots) == sorted(robots)
     assert len(found) == -(-len(robots) // together)
-    left = [other for program in found if (other := program.without(ended)) is not None]
-    assert sorted(robot for program in left for robot in program.robots) == sorted(robots - ended)
     assert len({program.name for program in found}) == len(found)
 
 
@@ -46,6 +44,22 @@ def test_who_is_few_has_a_process_and_who_is_many_is_told(monkeypatch: pytest.Mo
     found.size(many)
     assert len(told) == len(asked) == 1
     assert Sharing(told.append, 3).size(many) == 3
+
+
+def test_in_lockstep_many_share_a_process_a_core_and_nothing_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sharing, "_measured_aside", lambda: pytest.fail("measured"))
+    monkeypatch.setattr(sharing, "cores", lambda: 3)
+    told: list[str] = []
+    found = Sharing(told.append, lockstep=True)
+    assert found.size(3 * SURE) == 1
+    assert not told
+    assert found.size(3 * SURE + 1) == SURE + 1
+    assert found.size(64) == 22
+    assert found.size(64) == 22
+    assert [line.partition(":")[0] for line in told] == ["13 agents", "64 agents"]
+    assert "lockstep" in told[0]
+    assert "up to 22 share one" in told[1]
+    assert Sharing(told.append, 1, lockstep=True).size(64) == 1
 
 
 def test_a_ctrl_c_that_comes_while_the_measuring_process_starts_leaves_no_process(

@@ -162,7 +162,7 @@ def _options() -> argparse.Namespace:
     tuned = parser.add_argument_group("rivals with the jitter of nash")
     tuned.add_argument("--equal-jitter", action="store_true")
     tuned.add_argument("--rivals", type=names_of(RIVALS), default=list(RIVALS))
-    tuned.add_argument("--tuning", type=seeds_of, default=range(3), metavar="FROM:TO", help="seeds of the search")
+    tuned.add_argument("--tuning", type=seeds_of, default=range(8), metavar="FROM:TO", help="seeds of the search")
     tuned.add_argument("--out", type=Path, help="folder for results so far, from where the same command goes on")
     parser.add_argument("--workers", type=int, default=cores())
     parser.add_argument("--json", action="store_true")

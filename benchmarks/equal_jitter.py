@@ -2,10 +2,10 @@
 
 Per row, network and rival, a factor on R_v and one on R_omega (or one on the gains, where there are no weights) are
 searched, on seeds of their own, until the commanded v and omega both jump from tick to tick as those of `nash`, to
-within 7 %. R_omega decides how omega jumps and the error, and hardly how v jumps: with the jitter of v alone the
-weights of a rival would be free. Then l_e of `nash` over that of the rival is measured on the held-out seeds, with two
-standard errors of the paired differences. A rival with one factor has neither jitter above, and one of them at, that of
-`nash`.
+within 7 % (medians over seeds). R_omega decides how omega jumps and the error, and hardly how v jumps: with the jitter
+of v alone the weights of a rival would be free. Then l_e of `nash` over that of the rival is measured on the held-out
+seeds, with two standard errors of the paired differences. A rival with one factor has neither jitter above, and one of
+them at, that of `nash`.
 """
 
 import json
@@ -62,7 +62,7 @@ class Search:
 
         Args:
             row, network, rival: where.
-            target: jitter of v and of omega of `nash` there, means over the seeds of the search.
+            target: jitter of v and of omega of `nash` there, on the seeds of the search.
         """
         self.row, self.network, self.rival, self._target = row, network, rival, target
         self._speed, self._turn = (Knob(slope, NEAR, BOUND) for slope in RIVALS[rival].slopes)
@@ -112,6 +112,9 @@ class Compared:
     l_e: float
     """Of `nash` [mm]."""
     rival_l_e: float
+    centre: float
+    """Of `nash`: distance of the centre from the path [mm]."""
+    rival_centre: float
     ratio: float
     error: float
     """Standard error of the ratio."""
@@ -138,14 +141,16 @@ class Compared:
         return (
             f"{self.row:3} {self.network:8} {self.rival:23} {verdict:32} "
             f"l_e {self.l_e:7.3f} / {self.rival_l_e:7.3f} mm  "
+            f"centre {self.centre:.2f} / {self.rival_centre:.2f} mm  "
             f"jitter of v x {self.jitter:.2f}, of omega x {self.turn_jitter:.2f}{'' if self.equal else ' NOT EQUAL'}  "
             f"(factors {self.speed_factor:.3g}, {self.turn_factor:.3g})"
         )
 
 
 def jitters(values: Sequence[Values]) -> Jitters:
-    """Mean jitter of v [mm/s] and of omega [mrad/s]."""
-    return _mean(values, "jitter"), _mean(values, "turn_jitter")
+    """Of v [mm/s] and of omega [mrad/s]: medians over seeds; one run in which a robot is lost doubles the mean."""
+    v, omega = (statistics.median(value[name] for value in values) for name in ("jitter", "turn_jitter"))
+    return v, omega
 
 
 def _mean(values: Sequence[Values], name: str) -> float:
@@ -195,6 +200,8 @@ def _compared(search: Search, ours: Sequence[Values], theirs: Sequence[Values]) 
         other_omega / omega,
         _mean(ours, "l_e"),
         _mean(theirs, "l_e"),
+        _mean(ours, "centre"),
+        _mean(theirs, "centre"),
         ratio,
         error,
     )

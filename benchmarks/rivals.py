@@ -58,8 +58,8 @@ RIVALS: Mapping[str, Rival] = {
     ),
 }
 """`virtual_structure` deaf and with sight, the pair's game, and the others; those that are shipped as the paper printed
-them, on raw poses, get estimates here and their errata mended. Gains take the place of weights where there are none. Only
-`virtual_structure` compensates a drift across the heading as `nash` does; the others lack it in their models."""
+them, on raw poses, get estimates here and their errata mended. Gains take the place of weights where there are none.
+Only `virtual_structure` compensates a drift across the heading as `nash` does; the others lack it in their models."""
 
 
 @dataclass(frozen=True, slots=True)

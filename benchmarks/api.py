@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 
 import echelon
-from benchmarks.bodies import commit
+from benchmarks.bodies_cells import commit
 from runtime import inprocess
 from runtime.precompile import ensure_compiled
 

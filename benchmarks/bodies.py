@@ -5,14 +5,14 @@ python -m benchmarks.bodies [--rows A,E] [--networks "on time,late"] [--controll
 The triangle on the circle at 0.1 m spacing, started in formation, a plan every second tick. l_e: RMS over robots and
 ticks from 10 s on (row M: over the whole run), mean over seeds. Ratios are those of the means, with the standard error
 of the paired differences. A controller that uses no plan is simulated on time only.
+
+With --equal-jitter every rival first gets weights with which it has the jitter of `nash` (benchmarks/equal_jitter.py).
 """
 
 import argparse
-import hashlib
 import json
 import math
 import statistics
-import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,69 +20,16 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
+from benchmarks import equal_jitter
+from benchmarks.bodies_cells import Cell, commit, paired_ratio
 from benchmarks.bodies_rows import CONTROLLERS, DEAF, NEEDS_SIGHT, NETWORKS, PROTOTYPE, ROWS, SEES, SIGHTED
+from benchmarks.rivals import RIVALS
 from experiments.trials.code_version import code_version
 from experiments.trials.pool import cores, local
-from formation.scenario.files import parse, read
-from formation.scenario.overrides import merged
-from formation.scenario.scenario import Scenario
-from runtime.inprocess import Simulation
 from runtime.precompile import ensure_compiled
 
-SCENARIO = "triangle-circle"
-PLAN_EVERY = 2
-ROBOTS = 3
 SLACK = 1.05
 JITTER_SLACK = 1.1
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One simulation: work for a pool."""
-
-    row: str
-    network: str
-    controller: str
-    seed: int
-
-    @property
-    def name(self) -> str:
-        return f"{self.row}, {self.network}, {self.controller}, seed {self.seed}"
-
-    @property
-    def key(self) -> str:
-        return hashlib.sha256(f"{self.name} {code_version()}".encode()).hexdigest()
-
-    @property
-    def cost(self) -> int:
-        return round(ROWS[self.row].duration * 100)
-
-    def scenario(self) -> Scenario:
-        """What is simulated."""
-        raw = {key: value for key, value in read(SCENARIO).items() if key != "robots"}
-        common = {"seed": self.seed, "controller": {"name": "nash", "plan_every": PLAN_EVERY}}
-        whole = merged(common, ROWS[self.row].overrides(self.seed, ROBOTS))
-        return parse(raw, merged(merged(whole, NETWORKS[self.network]), CONTROLLERS[self.controller]))
-
-    def simulation(self) -> Simulation:
-        """It, at its start."""
-        return Simulation(self.scenario())
-
-    def run(self) -> dict[str, Any]:
-        """l_e, distance of the centre from the path [mm], jitter of the commanded v [mm/s]: RMS."""
-        simulation = self.simulation()
-        scenario, trace = simulation.world.scenario, simulation.simulate()
-        first = round(ROWS[self.row].warmup / scenario.control_interval)
-        distance, _, centre = trace.errors()
-        changes = np.diff(trace.inputs[first:, :, 0], axis=0)
-        return {"l_e": _rms(distance[first:]), "centre": _rms(centre[first:]), "jitter": _rms(changes)}
-
-
-def _rms(values: Any) -> float:
-    """In thousandths."""
-    return 1e3 * math.sqrt(float(np.mean(np.square(values))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,10 +118,7 @@ def _against(results: Results, row: str, seeds: range, l_e: Sequence[float]) -> 
         if network is None:
             continue
         other = [results[Cell(row, network, rival, seed)]["l_e"] for seed in seeds]
-        ratio = statistics.fmean(l_e) / statistics.fmean(other)
-        rest = [a - ratio * b for a, b in zip(l_e, other, strict=True)]
-        spread = statistics.stdev(rest) / math.sqrt(len(rest)) if len(rest) > 1 else 0.0
-        ratios[rival] = ratio, spread / statistics.fmean(other)
+        ratios[rival] = paired_ratio(l_e, other)
     return ratios
 
 
@@ -184,6 +128,9 @@ def main() -> int:
     began = perf_counter()
     ensure_compiled(lambda text: print(text, file=sys.stderr))
     pool = local(options.workers)
+    if options.equal_jitter:
+        plan = equal_jitter.Plan(options.rows, options.networks, options.rivals, options.tuning, options.seeds)
+        return equal_jitter.compare(plan, pool, options.out, as_json=options.json)
     lines: list[Found] = []
     for row in options.rows:
         work = cells([row], options.networks, options.controllers, options.seeds)
@@ -212,6 +159,11 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--seeds", type=seeds_of, default=range(1000, 1002), metavar="FROM:TO", help="20 for the record"
     )
+    tuned = parser.add_argument_group("rivals with the jitter of nash")
+    tuned.add_argument("--equal-jitter", action="store_true")
+    tuned.add_argument("--rivals", type=names_of(RIVALS), default=list(RIVALS))
+    tuned.add_argument("--tuning", type=seeds_of, default=range(8), metavar="FROM:TO", help="seeds of the search")
+    tuned.add_argument("--out", type=Path, help="folder for results so far, from where the same command goes on")
     parser.add_argument("--workers", type=int, default=cores())
     parser.add_argument("--json", action="store_true")
     return parser.parse_args()
@@ -234,12 +186,6 @@ def seeds_of(text: str) -> range:
     """From "1000:1020"."""
     low, _, high = text.partition(":")
     return range(int(low), int(high))
-
-
-def commit() -> str:
-    """Of the sources, with a mark if they were edited since."""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
-    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
 
 
 if __name__ == "__main__":

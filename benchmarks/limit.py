@@ -24,7 +24,8 @@ from scipy.linalg import expm, solve_discrete_are
 
 from agents.controllers.interface import Controller, Observation, Solution
 from agents.controllers.task import Task
-from benchmarks.bodies import Cell, commit, names_of, seeds_of
+from benchmarks.bodies import names_of, seeds_of
+from benchmarks.bodies_cells import Cell, commit
 from benchmarks.bodies_rows import DEAF, ROWS
 from experiments.trials.code_version import code_version
 from experiments.trials.pool import cores, local

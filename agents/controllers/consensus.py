@@ -13,9 +13,10 @@ that has a spanning tree. Before the first message the neighbour's term is left 
 
 import numpy as np
 
-from agents.controllers.interface import Observation, Solution
+from agents.controllers.interface import Observation, Solution, options_of
 from agents.controllers.task import Task
 from agents.kernels.consensus import roll_law
+from formation.scenario.controllers import ConsensusOptions
 from formation.scenario.scenario import Scenario
 
 
@@ -23,7 +24,7 @@ class Consensus:
     """The controller of one robot."""
 
     def __init__(self, scenario: Scenario, task: Task) -> None:
-        """Gains follow from what the robots can do.
+        """Unless `controller.gain` is given, gains follow from what the robots can do.
 
         The hand reaches half a spacing. Its slowest direction is sideways, omega_max L: each gain turns an error of
         one spacing into that speed, and both together take away at most a quarter of an
@@ -32,7 +33,8 @@ class Consensus:
         self._task = task
         self._reach = scenario.spacing / 2.0
         speed = min(float(task.limits[0]), float(task.limits[1]) * self._reach)
-        self._gain = min(speed / scenario.spacing, 1.0 / (8.0 * task.interval))
+        derived = min(speed / scenario.spacing, 1.0 / (8.0 * task.interval))
+        self._gain = options_of(scenario, ConsensusOptions).gain or derived
 
     def plan(self, observation: Observation) -> Solution:
         task, upstream = self._task, observation.upstream

@@ -163,6 +163,8 @@ class VirtualStructureOptions(ControllerOptions):
 
 
 class ConsensusOptions(ControllerOptions):
-    """Displacement-based formation control of hand points; its gains follow from the limits."""
+    """Displacement-based formation control of hand points."""
 
     name: Literal["consensus"] = "consensus"
+    gain: Positive | None = None
+    """k_g = k_f, to the own slot and to the neighbour [1/s]; follows from the limits if absent."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents.agent import Agent
-from benchmarks.bodies import Cell
+from benchmarks.bodies_cells import Cell
 from benchmarks.bodies_rows import PROTOTYPE
 from formation.arrays import FloatArray
 from formation.scenario.files import load

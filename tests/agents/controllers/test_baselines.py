@@ -230,6 +230,11 @@ def test_gains_are_as_large_as_limits_and_sampling_allow(spacing: Any, v: Any, o
     assert max(used) == pytest.approx(1.0)
 
 
+def test_a_gain_that_is_given_is_used() -> None:
+    own = scenario("consensus", "controller.gain=3")
+    assert Consensus(own, Task(own, 1))._gain == 3.0
+
+
 # ---------------------------------------------------------------- centralised
 
 

@@ -52,8 +52,6 @@ ASLANT = 0.05
 """A body counts where the robot goes, if the cosine of its bearing is larger."""
 GENTLE = 0.3
 """How hard a robot brakes before one that comes after it [m/s2]."""
-CREEP = 0.03
-"""How fast the gap to a body that goes away may close, however near it is [m/s]."""
 MOVING = 0.02
 """A body that moves is passed behind [m/s]."""
 ROOM, ROOM_TIME = 0.005, 0.2
@@ -158,13 +156,11 @@ def _toward(bodies: FloatArray, j: int, at: float, dt: float, x: float, y: float
 @kernel
 def _mine(gap: float, leaving: float, react: float, brake: float, along: float, now: float, yields: bool) -> float:
     """How fast the robot, which drives at a speed now, may approach a body in a direction with this cosine [m/s]."""
-    total = _allowed(gap, react, brake * along)
-    kept = now * along + GENTLE * SOON
-    if leaving > 0.0:  # it may brake at any time, but who follows it near by may go as fast as it does
-        stopping = _allowed(gap + 0.5 * leaving * leaving / brake, react, brake * along)
-        mine = max(min(total + leaving, stopping), min(total, CREEP) + leaving)
-    else:  # before one that comes nearer the robot brakes gently, so that it can brake too
-        mine = max(total + leaving, min(0.5 * total, kept))
+    total: float = _allowed(gap, react, brake * along)
+    mine = total + leaving
+    kept = now * along + GENTLE * SOON  # before a body that comes nearer it brakes gently, so that both can
+    if leaving < 0.0:
+        mine = max(mine, min(0.5 * total, kept))
     if mine < 0.0:
         mine = max(mine, min(-RETREAT if yields else 0.0, kept))
     return mine

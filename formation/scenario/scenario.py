@@ -110,9 +110,8 @@ class Scenario(Model):
                 links_named(fault.link, self.size, both=self.controller.uses_downstream, driven=self.driven)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
-        noise, sensor = self.noise, self.bodies.localisation
-        of_bodies = self.bodies.slip, self.bodies.gyro, sensor.position, sensor.heading
-        there = dict(zip(("slip", "gyro", "position", "heading"), of_bodies, strict=True))
+        noise, own, sensor = self.noise, self.bodies, self.bodies.localisation
+        there = {"slip": own.slip, "gyro": own.gyro, "position": sensor.position, "heading": sensor.heading}
         twice = [key for key, value in there.items() if value and getattr(noise, key)]
         if twice:
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")

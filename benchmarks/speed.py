@@ -180,10 +180,18 @@ def _parts(scenario: str, *settings: str) -> Callable[[Checkout, int], dict[str,
     return measure
 
 
-def _lockstep(checkout: Checkout, seed: int) -> dict[str, float]:
+def _lockstep(scenario: str, short: float, long: float, *settings: str) -> Callable[[Checkout, int], dict[str, float]]:
     """The slope between a short and a long run: starting is not part of a tick."""
-    short, long = (checkout.run("triangle-circle", seed, t, "--engine", "processes") for t in (5.0, 25.0))
-    return {"tick": (long["wall_s"] - short["wall_s"]) / round(20.0 / TICK), "start": short["wall"] - short["wall_s"]}
+
+    def measure(checkout: Checkout, seed: int) -> dict[str, float]:
+        more = ("--engine", "processes", *(f"--set={setting}" for setting in settings))
+        one, other = (checkout.run(scenario, seed, t, *more) for t in (short, long))
+        return {
+            "tick": (other["wall_s"] - one["wall_s"]) / round((long - short) / TICK),
+            "start": one["wall"] - one["wall_s"],
+        }
+
+    return measure
 
 
 def _start(checkout: Checkout, seed: int) -> dict[str, float]:
@@ -202,7 +210,9 @@ MEASUREMENTS |= {
     "parts, W = 2": _parts(
         "triangle-circle", "bodies.relative.sigma=0.002", "noise.position=0.001", "noise.heading=0.01"
     ),
-    "lockstep, 3 processes": _lockstep,
+    "lockstep, 3 robots": _lockstep("triangle-circle", 5.0, 25.0),
+    "lockstep, 8 robots": _lockstep("ring-16", 2.0, 10.0, "formation.robots=8"),
+    "lockstep, 16 robots": _lockstep("ring-16", 2.0, 7.0),
     "start": _start,
 }
 

@@ -48,10 +48,6 @@ RESPONSE = 0.1
 """Time in which closing speeds fade, beyond the delay of commands [s]."""
 SOON = 0.05
 """Time in which the wheels shall have the speed that is wanted [s]."""
-ASLANT = 0.05
-"""A body counts where the robot goes, if the cosine of its bearing is larger."""
-GENTLE = 0.3
-"""How hard a robot brakes before one that comes after it [m/s2]."""
 MOVING = 0.02
 """A body that moves is passed behind [m/s]."""
 ROOM, ROOM_TIME = 0.005, 0.2
@@ -154,19 +150,6 @@ def _toward(bodies: FloatArray, j: int, at: float, dt: float, x: float, y: float
 
 
 @kernel
-def _mine(gap: float, leaving: float, react: float, brake: float, along: float, now: float, yields: bool) -> float:
-    """How fast the robot, which drives at a speed now, may approach a body in a direction with this cosine [m/s]."""
-    total: float = _allowed(gap, react, brake * along)
-    mine = total + leaving
-    kept = now * along + GENTLE * SOON  # before a body that comes nearer it brakes gently, so that both can
-    if leaving < 0.0:
-        mine = max(mine, min(0.5 * total, kept))
-    if mine < 0.0:
-        mine = max(mine, min(-RETREAT if yields else 0.0, kept))
-    return mine
-
-
-@kernel
 def _bounds(
     bodies: FloatArray,
     reach: FloatArray,
@@ -175,16 +158,11 @@ def _bounds(
     k: int,
     delay: int,
     brake: float,
-    share: float,
     x: float,
     y: float,
     theta: float,
-    now: float,
 ) -> tuple[float, float, int, int]:
-    """Least and largest v to command [m/s] to a robot whose wheels drive it at a speed now, and the bodies behind them.
-
-    share: of a change of v, how much the wheels make of it SOON.
-    """
+    """Least and largest v of the robot [m/s], and the rows of the bodies behind them."""
     c, s, dt = math.cos(theta), math.sin(theta), law[DT]
     react = RESPONSE + delay * dt
     low, high, below, above = -np.inf, np.inf, -1, -1
@@ -193,17 +171,19 @@ def _bounds(
         if body[COUNT] == 0.0 or k - body[SEEN] > law[KEPT]:
             continue
         d, nx, ny = _toward(bodies, j, k + delay, dt, x, y)
-        gap, leaving = d - reach[j, 0] - reach[j, 1], nx * body[VX] + ny * body[VY]
+        closing = -(nx * body[VX] + ny * body[VY])
+        total = _allowed(d - reach[j, 0] - reach[j, 1], react, brake)
+        mine = total - closing
+        if closing > 0.0:
+            mine = max(mine, 0.5 * total)
+        if mine < 0.0:
+            mine = max(mine, -RETREAT) if row > j else 0.0
         along = nx * c + ny * s
-        if along > ASLANT:
-            most = _mine(gap, leaving, react, brake, along, now, row > j) / along
-            if most < high:
-                high, above = most, j
-        elif along < -ASLANT:
-            least = _mine(gap, leaving, react, brake, -along, -now, row > j) / along
-            if least > low:
-                low, below = least, j
-    return now + (low - now) / share, now + (high - now) / share, below, above
+        if along > 0.05 and mine / along < high:
+            high, above = mine / along, j
+        elif along < -0.05 and mine / along > low:
+            low, below = mine / along, j
+    return low, high, below, above
 
 
 @kernel
@@ -256,7 +236,9 @@ def keep_off(
         rate, share = 1.0 - math.exp(-dt / lag), 1.0 - math.exp(-SOON / lag)
     x, y, theta, rolling = _ahead(own[k % PAST], law, k, commands, delay, rate, wheels[0], wheels[1])
     brake = min(law[DV] / dt, law[V_MAX] / max(lag, 1e-9))
-    low, high, below, above = _bounds(bodies, reach, law, row, k, delay, brake, share, x, y, theta, rolling)
+    low, high, below, above = _bounds(bodies, reach, law, row, k, delay, brake, x, y, theta)
+    # The command that brings the wheels to a speed soon, however they lag.
+    low, high = rolling + (low - rolling) / share, rolling + (high - rolling) / share
     wish = command[0]
     free = low <= wish <= high
     if free:
@@ -271,7 +253,7 @@ def keep_off(
         who = above if wish > high else below
         memory[FREE] = 0.0
     if low > high:
-        low = high = between(0.0, high, low)
+        low = high = 0.5 * (low + high)
         who = above if wish >= 0.0 else below
     memory[WHO] = who
     new = between(wish, low, high)
@@ -288,8 +270,8 @@ def keep_off(
             wx = body[VX] + law[ROUND] * memory[SIDE] * ny + back * nx
             wy = body[VY] - law[ROUND] * memory[SIDE] * nx + back * ny
             error = wrap(math.atan2(wy, wx) - theta)
-            command[1] = between(TURN * error, -law[STEER], law[STEER])
             new = between(math.hypot(wx, wy) * max(math.cos(error), 0.0), low, high)
+            command[1] = between(TURN * error, -law[STEER], law[STEER])
     command[0] = between(new, -law[V_MAX], law[V_MAX])
     command[2] = rolling + between(rate * (command[0] - rolling), -law[DV], law[DV])
     return who

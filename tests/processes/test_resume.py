@@ -5,6 +5,7 @@ import random
 import signal
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from time import sleep
 from typing import Any, cast
 
 import psutil
@@ -23,6 +24,8 @@ from world.resume.saver import SECONDS
 
 __all__ = ["compiled", "runs"]
 KILLS, SEED = 10, 20
+UNDER_WAY = 0.3
+"""After so long a tick that was under way when the run was paused is over, and the state tells it [s]."""
 ASKED: Mapping[int, tuple[Operation, Mapping[str, Any]]] = {
     0: (Speed(speed=2.0), {"speed": 2.0}),
     1: (SetFault(link="2->3", changes={"loss": 0.25}), {"faults": {LinkId(2, 3): Fault(loss=0.25)}}),
@@ -93,6 +96,9 @@ def test_a_world_that_is_killed_at_any_moment_loses_nothing_that_was_set(
             before = run.until(settings)
             if before.status == "running":
                 before = run.until_later(before.stamp + draws.uniform(0.0, 1.5))
+            else:
+                sleep(UNDER_WAY)
+                before = run.until(settings)
             os.kill(world_of(), signal.SIGKILL)
             after = run.resumed(number + 1)
             assert run.shows(settings)

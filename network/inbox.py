@@ -49,12 +49,15 @@ class Inbox(Generic[T]):
         return len(self._items) >= (1 if self._loud else enough)
 
     def get_nowait(self) -> T:
-        """The oldest item. Raises queue.Empty if there is none. Who waits for several takes all that is there."""
+        """The oldest item. Raises queue.Empty if there is none. For what is left nobody waits again."""
         self._loud = False
         try:
-            return self._items.popleft()
+            item = self._items.popleft()
         except IndexError:
             raise Empty from None
+        if self._items:  # what is left may have been put loudly
+            self._loud = True
+        return item
 
     def get(self, timeout: float | None = None, enough: int = 1) -> T:
         """The oldest item, once there are enough.

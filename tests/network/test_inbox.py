@@ -122,6 +122,17 @@ def test_any_other_item_wakes_the_reader_at_once(early: bool) -> None:
     assert box.get_nowait() == 1
 
 
+def test_for_what_is_left_nobody_waits_again() -> None:
+    box: Inbox[int] = Inbox()
+    for i in range(3):
+        box.put(i, quietly=i != 2)
+    assert box.get(20.0, enough=100) == 0
+    assert box.ready(100)
+    assert [box.get(20.0, enough=100), box.get(20.0, enough=100)] == [1, 2]
+    box.put(3, quietly=True)
+    assert not box.ready(2)
+
+
 def test_after_the_limit_fewer_are_enough() -> None:
     box: Inbox[int] = Inbox()
     box.put(0, quietly=True)

@@ -3,15 +3,14 @@
 import hashlib
 import math
 import statistics
-import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.bodies_rows import CONTROLLERS, NETWORKS, ROWS
+from benchmarks.speed import Checkout
 from experiments.trials.code_version import code_version
 from formation.scenario.files import parse, read
 from formation.scenario.overrides import merged
@@ -23,8 +22,30 @@ PLAN_EVERY = 2
 ROBOTS = 3
 
 
+class RowWork:
+    """What a pool asks of a simulation of a row."""
+
+    __slots__ = ()
+    row: str
+
+    @property
+    def name(self) -> str:
+        """All that makes it differ from others."""
+        raise NotImplementedError
+
+    @property
+    def key(self) -> str:
+        """Of its result, by this code."""
+        return hashlib.sha256(f"{self.name} {code_version()}".encode()).hexdigest()
+
+    @property
+    def cost(self) -> int:
+        """In ticks."""
+        return round(ROWS[self.row].duration * 100)
+
+
 @dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(RowWork):
     """One simulation: work for a pool."""
 
     row: str
@@ -35,14 +56,6 @@ class Cell:
     @property
     def name(self) -> str:
         return f"{self.row}, {self.network}, {self.controller}, seed {self.seed}"
-
-    @property
-    def key(self) -> str:
-        return key_of(self.name)
-
-    @property
-    def cost(self) -> int:
-        return round(ROWS[self.row].duration * 100)
 
     def scenario(self) -> Scenario:
         """What is simulated."""
@@ -55,11 +68,6 @@ class Cell:
     def run(self) -> dict[str, Any]:
         """As `measured`."""
         return measured(self.row, self.simulation())
-
-
-def key_of(name: str) -> str:
-    """The key of a result of this code."""
-    return hashlib.sha256(f"{name} {code_version()}".encode()).hexdigest()
 
 
 def scenario_of(row: str, network: str, contender: Mapping[str, Any], seed: int) -> Scenario:
@@ -104,5 +112,4 @@ def paired_ratio(ours: Sequence[float], others: Sequence[float]) -> tuple[float,
 
 def commit() -> str:
     """Of the sources, with a mark if they were edited since."""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
-    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
+    return Checkout.here().commit()

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from benchmarks.bodies_cells import key_of, measured, scenario_of
+from benchmarks.bodies_cells import RowWork, measured, scenario_of
 from benchmarks.bodies_rows import DEAF, ROWS, SEES, SIGHTED
 from formation.scenario.registry import CONTROLLERS
 from runtime.inprocess import Simulation
@@ -63,7 +63,7 @@ Only `virtual_structure` compensates a drift across the heading as `nash` does; 
 
 
 @dataclass(frozen=True, slots=True)
-class Tuned:
+class Tuned(RowWork):
     """One simulation of a rival with its weights times these factors: work for a pool."""
 
     row: str
@@ -77,14 +77,6 @@ class Tuned:
     def name(self) -> str:
         factors = f"{self.rival} x {self.speed:.9g}, {self.turn:.9g}"
         return f"{self.row}, {self.network}, {factors}, seed {self.seed}"
-
-    @property
-    def key(self) -> str:
-        return key_of(self.name)
-
-    @property
-    def cost(self) -> int:
-        return round(ROWS[self.row].duration * 100)
 
     def run(self) -> dict[str, Any]:
         """As `measured`."""

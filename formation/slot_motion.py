@@ -16,6 +16,8 @@ from formation.pattern import rotate
 SLOW = 1e-3
 """Speed [m/s] below which a slot's direction of motion is noise: its heading then turns towards the path's."""
 
+TIME, PLACE, THETA, FACING = 0, slice(1, 3), 3, 4
+"""Columns of rows that say where a formation's centre is: path time, x and y, the path's heading, and facing."""
 DERIVATIVE_STEP = 1e-4
 """Half step [s] of the central difference for a slot's velocity; its error is far below a micrometre a second."""
 
@@ -51,25 +53,27 @@ class Motion:
         """Poses of the slots at times t (T,): (T, n, 3) [m, m, rad]."""
         theta = heading(self.path, t, self.interval)[:, None]
         velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
-        body = rotate(-theta, velocity)
-        # A slot that moves backwards keeps its heading within pi/2 of the path's, with v < 0.
-        drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
-        return np.concatenate([self.positions(t), (theta + drift)[..., None]], axis=-1)
+        return np.concatenate([self.positions(t), (theta + _drift(theta, velocity))[..., None]], axis=-1)
 
 
 def places_along(centre: FloatArray, offsets: Offsets) -> FloatArray:
     """Slot positions (T, n, 2) where the centre is at rows (T, 5) of path time, x, y, heading and facing [m]."""
-    return centre[:, None, 1:3] + rotate(centre[:, None, 4], offsets.at(centre[:, 0]))
+    return centre[:, None, PLACE] + rotate(centre[:, None, FACING], offsets.at(centre[:, TIME]))
 
 
 def slots_along(centre: FloatArray, offsets: Offsets, tick: float) -> FloatArray:
     """Slot poses (T, n, 3) of rows (T + 2, 5), a tick apart: where they are, and the direction in which they move."""
     places = places_along(centre, offsets)
     velocity = (places[2:] - places[:-2]) / (2.0 * tick)
-    theta = centre[1:-1, None, 3]
-    body = rotate(-theta, velocity)
-    drift = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+    theta = centre[1:-1, None, THETA]
     found = np.empty((*theta.shape[:1], places.shape[1], 3))
     found[..., :2] = places[1:-1]
-    np.add(theta, drift, out=found[..., 2])
+    np.add(theta, _drift(theta, velocity), out=found[..., 2])
     return found
+
+
+def _drift(theta: FloatArray, velocity: FloatArray) -> FloatArray:
+    """From the path's heading to that of a slot with a velocity (..., 2); within pi/2, also backwards, with v < 0."""
+    body = rotate(-theta, velocity)
+    turned: FloatArray = np.arctan(body[..., 0] * body[..., 1] / (body[..., 0] ** 2 + SLOW**2))
+    return turned

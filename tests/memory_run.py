@@ -73,10 +73,6 @@ class WorldProcess(_Process):
         world_process.join(bus, parts.world.mode)
         self.node = WorldNode(bus.run, parts)
 
-    @property
-    def enough(self) -> int:
-        return self.node.enough
-
     def turn(self, now: float) -> None:
         perform(self.bus, self.node.feed(self.bus.arrivals(), now), self.log)
         self.wake_at = now + max(self.node.patience(now), WAY)
@@ -91,10 +87,6 @@ class AgentProcess(_Process):
 
         self.steps: dict[tuple[int, int], bool] = {}
         """Episodes and ticks that it has answered, and whether it had the upstream plan of the tick before."""
-
-    @property
-    def enough(self) -> int:
-        return self.node.enough
 
     def turn(self, now: float) -> None:
         actions = self.node.feed(self.bus.arrivals(), now)
@@ -112,10 +104,6 @@ class CrewProcess(_Process):
         super().__init__(bus)
         agent_process.join(bus)
         self.node = Crew(bus.run, robots)
-
-    @property
-    def enough(self) -> int:
-        return self.node.enough
 
     def turn(self, now: float) -> None:
         perform(self.bus, self.node.feed(self.bus.arrivals(), now), self.log)
@@ -282,7 +270,9 @@ class MemoryRun:
     def _turns(self) -> bool:
         turned = False
         for process in self._processes:
-            if not process.suspended and (process.bus.inbox.ready(process.enough) or self.hub.now >= process.wake_at):
+            if not process.suspended and (
+                process.bus.inbox.ready(process.node.enough) or self.hub.now >= process.wake_at
+            ):
                 process.turn(self.hub.now)
                 turned = True
         return turned

@@ -10,7 +10,7 @@ import math
 import struct
 from collections import deque
 from statistics import NormalDist
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
@@ -24,7 +24,7 @@ MEMORY = 4096
 """Messages that a burst is traced back at most; beyond, the chain starts from its stationary distribution."""
 
 T = TypeVar("T")
-_WORDS = struct.Struct("<8Q")
+_SEQ, _WORDS = struct.Struct("<q"), struct.Struct("<8Q")
 
 
 class Arrival(NamedTuple, Generic[T]):
@@ -41,16 +41,16 @@ class Arrival(NamedTuple, Generic[T]):
 
 
 class _Draws(NamedTuple):
-    """Uniform numbers in [0, 1) for one message."""
+    """Random words for one message, of which `_uniform` makes numbers in [0, 1) where a fault asks for them."""
 
-    loss: float
-    jitter: float
-    duplicate: float
-    reorder: float
-    corrupt: float
-    copy_jitter: float
-    place: float
-    stationary: float
+    loss: int
+    jitter: int
+    duplicate: int
+    reorder: int
+    corrupt: int
+    copy_jitter: int
+    place: int
+    stationary: int
 
 
 class _Departure(NamedTuple):
@@ -71,7 +71,8 @@ class Link(Generic[T]):
 
     def __init__(self, seed: int, link: LinkId, fault: Fault = PERFECT) -> None:
         self.id = link
-        self._key = f"{seed}/{link}".encode()
+        self._key = f"{seed}/{link}".encode()[:64]
+        self._hash: hashlib.blake2b | None = None  # of the key: half of what a draw takes is saved by copying it
         self._heap: list[tuple[float, int, Arrival[T]]] = []
         self._order = 0
         self._free = -math.inf  # when a rate-limited link can take the next message
@@ -83,6 +84,10 @@ class Link(Generic[T]):
         self._sent = self._lost = self._delivered = self._duplicated = 0
         self._chain: tuple[int, float, float, bool] = (-1, 0.0, 0.0, False)  # seq, loss, burst, in a burst
         self.fault = fault
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is made of the key again."""
+        return {**self.__dict__, "_hash": None}
 
     @property
     def counts(self) -> LinkCounts:
@@ -124,30 +129,33 @@ class Link(Generic[T]):
         if fault.cut or self._is_lost(seq, draws):
             self._lost += 1
             return
-        departure = self._departure(sent)
+        departure = self._departure(sent) if fault.rate else sent
         if departure is None:
             self._lost += 1
             return
-        damage = draws.place if draws.corrupt < fault.corrupt else None
-        delay = 0.0 if draws.reorder < fault.reorder else _delay(fault, draws.jitter)
-        arrival = Arrival(seq, sent, departure, message, damage)
+        damage = _uniform(draws.place) if fault.corrupt and _uniform(draws.corrupt) < fault.corrupt else None
+        overtakes = fault.reorder and _uniform(draws.reorder) < fault.reorder
+        delay = 0.0 if overtakes else _delay(fault, draws.jitter)
+        arrival = Arrival(seq, sent, departure + delay, message, damage)
         self._carry(departure, delay, arrival)
-        if draws.duplicate < fault.duplicate:
+        if fault.duplicate and _uniform(draws.duplicate) < fault.duplicate:
             self._duplicated += 1
             self._carry(departure, _delay(fault, draws.copy_jitter), arrival)
 
     def pop(self, now: float) -> list[Arrival[T]]:
         """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
-        if not self._heap:
+        heap = self._heap
+        if not heap:
             return []
-        self._looked = max(now, self._looked)
+        self._looked = max(self._looked, now)
         if self._fault.rate != self._rate:
             self._queue_anew(self._looked)
-        due = []
-        while self._heap and self._heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
-            due.append(heapq.heappop(self._heap)[2])
-        self._delivered += len(due)
+            heap = self._heap
+        due: list[Arrival[T]] = []
+        while heap and heap[0][0] <= now + 1e-9:  # stamps are k * delta_t: forgive rounding
+            due.append(heapq.heappop(heap)[2])
         if due:
+            self._delivered += len(due)
             self._popped = max(self._popped, due[-1].due)
         return due
 
@@ -163,10 +171,12 @@ class Link(Generic[T]):
     def _due(self, departure: float, delay: float, number: int, arrival: Arrival[T]) -> tuple[float, int, Arrival[T]]:
         """The heap's entry, with the time of arrival."""
         due = departure + delay
-        if self._fault.keep_order:
-            due = max(due, self._latest)
-        self._latest = max(due, self._latest)
-        return due, number, arrival._replace(due=due)
+        if due < self._latest:
+            if self._fault.keep_order:
+                due = self._latest
+        else:
+            self._latest = due
+        return due, number, arrival if due == arrival.due else arrival._replace(due=due)
 
     def _queue_anew(self, now: float) -> None:
         """The rate has changed: what waits at `now` [s] departs at the new one, after what has departed."""
@@ -192,8 +202,6 @@ class Link(Generic[T]):
 
     def _departure(self, sent: float) -> float | None:
         """When a rate-limited link forwards the message [s]; None if its queue is full."""
-        if self._fault.rate == 0.0:
-            return sent
         departure = max(sent, self._free)
         if (departure - sent) * self._fault.rate > QUEUE_LIMIT:
             return None
@@ -203,7 +211,7 @@ class Link(Generic[T]):
     def _is_lost(self, seq: int, draws: _Draws) -> bool:
         loss, burst = self._fault.loss, self._fault.burst
         if loss <= 0.0 or loss >= 1.0 or burst * (1.0 - loss) <= 1.0:
-            return draws.loss < loss
+            return _uniform(draws.loss) < loss
         return self._in_burst(seq, loss, burst)
 
     def _in_burst(self, seq: int, loss: float, burst: float) -> bool:
@@ -219,25 +227,34 @@ class Link(Generic[T]):
         warm = model == [loss, burst] and known < seq
         first = known + 1 if warm else max(0, seq - MEMORY)
         for back in range(seq, first - 1, -1):
-            u = self._draws(back).loss
+            u = _uniform(self._draws(back).loss)
             if u < p or u >= 1.0 - r:
                 state = u < p
                 break
         else:
             if not warm:
-                state = self._draws(first).stationary < loss
+                state = _uniform(self._draws(first).stationary) < loss
         self._chain = (seq, loss, burst, state)
         return state
 
     def _draws(self, seq: int) -> _Draws:
-        digest = hashlib.blake2b(struct.pack("<q", seq), key=self._key[:64], digest_size=64).digest()
-        return _Draws._make([(word >> 11) * 2.0**-53 for word in _WORDS.unpack(digest)])
+        if self._hash is None:
+            self._hash = hashlib.blake2b(key=self._key, digest_size=64)
+        drawn = self._hash.copy()
+        drawn.update(_SEQ.pack(seq))
+        return _Draws._make(_WORDS.unpack(drawn.digest()))
 
 
-def _delay(fault: Fault, u: float) -> float:
+def _uniform(word: int) -> float:
+    """The number in [0, 1) that a random word makes."""
+    return (word >> 11) * 2.0**-53
+
+
+def _delay(fault: Fault, word: int) -> float:
     """Latency with jitter, never negative [s]."""
     if fault.jitter == 0.0:
         return fault.latency
+    u = _uniform(word)
     if fault.distribution == "uniform":
         return max(0.0, fault.latency + fault.jitter * (2.0 * u - 1.0))
     if fault.distribution == "pareto":

@@ -9,7 +9,7 @@ import numpy as np
 from formation.arrays import BoolArray, FloatArray, timeline
 from formation.driving.reference import DrivenReference
 from formation.link_ids import LinkId
-from formation.metrics import pattern_errors, quantile, rms, tracking_error, tracking_error_of_some
+from formation.metrics import pattern_errors, quantiles, rms, tracking_error, tracking_error_of_some
 from formation.reference import Reference
 from formation.scenario.scenario import Scenario
 from network.messages import Command
@@ -53,10 +53,11 @@ class Trace:
     def add(self, poses: FloatArray, inputs: FloatArray, commands: Mapping[int, Command]) -> None:
         """Record a tick: the poses (n, 3) after it, the commanded inputs (n, 2), the agents' commands."""
         k = self._done
+        ages, solves = self._ages[k], self._solves[k]
         for robot, command in commands.items():
-            self._ages[k, robot - 1] = command.age
+            ages[robot - 1] = command.age
             if command.planned:
-                self._solves[k, robot - 1] = command.solve
+                solves[robot - 1] = command.solve
         self._poses[k + 1] = poses
         self._inputs[k] = inputs
         self._done = k + 1
@@ -221,7 +222,7 @@ class Trace:
                 }
                 for link, c in counts.items()
             },
-            "solve_s": {"median": quantile(solves, 0.5), "p99": quantile(solves, 0.99)},
+            "solve_s": dict(zip(("median", "p99"), quantiles(solves, 0.5, 0.99), strict=True)),
             "events": [{"t": e.stamp, "kind": e.kind, "severity": e.severity, "text": e.text} for e in events],
         }
 
@@ -231,16 +232,17 @@ def _spread(signed: FloatArray) -> dict[str, float | None]:
     if not len(signed):
         return dict.fromkeys(("rms", "median", "q1", "q3", "p95", "max", "final"))
     size = np.abs(signed)
+    q1, median, q3, p95 = quantiles(size, 0.25, 0.5, 0.75, 0.95)
     return {
         "rms": rms(size),
-        "median": quantile(size, 0.5),
-        "q1": quantile(size, 0.25),
-        "q3": quantile(size, 0.75),
-        "p95": quantile(size, 0.95),
+        "median": median,
+        "q1": q1,
+        "q3": q3,
+        "p95": p95,
         "max": float(size.max()),
         "final": float(signed[-1]),
     }
 
 
 def _ages(ages: FloatArray) -> dict[str, float | None]:
-    return {"median": quantile(ages, 0.5), "p95": quantile(ages, 0.95), "max": quantile(ages, 1.0)}
+    return dict(zip(("median", "p95", "max"), quantiles(ages, 0.5, 0.95, 1.0), strict=True))

@@ -65,6 +65,8 @@ class Reference:
         self._motion, self._schedule = motion, schedule
         self._tick, self._stride, self._ahead = control_interval, stride, HORIZONS * stride * horizon
         self._blocks: dict[int, Block] = {}
+        if motion.robots is None:
+            motion.course.everybody = self
 
     def block(self, k: int) -> Block:
         """The block that holds ticks k .. k + HORIZONS * stride * horizon."""
@@ -73,10 +75,18 @@ class Reference:
         if block is None:
             if len(self._blocks) >= KEPT_BLOCKS:
                 del self._blocks[min(self._blocks)]
-            first = max(0, start - BEHIND_TICKS)
-            block = self._rows(first, start - first + BLOCK_TICKS + self._ahead + 1)
-            self._blocks[start] = block
+            block = self._blocks[start] = self._made(start)
         return block
+
+    def _made(self, start: int) -> Block:
+        """The block that begins at this tick; of some robots from that of all, where this process has it."""
+        everybody, robots = self._motion.course.everybody, self._motion.robots
+        if everybody is not None and robots is not None:
+            block: Block = everybody.block(start)
+            rows = [robot - 1 for robot in robots]
+            return Block(block.first, block.centre, block.slots.take(rows, axis=1), block.inputs.take(rows, axis=1))
+        first = max(0, start - BEHIND_TICKS)
+        return self._rows(first, start - first + BLOCK_TICKS + self._ahead + 1)
 
     def positions(self, t: FloatArray) -> FloatArray:
         """Positions of the slots at times t: (T, n, 2) [m]."""

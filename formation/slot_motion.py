@@ -5,9 +5,12 @@ follows from its own motion, not the centre's, so that on a curve all errors can
 section 8).
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
-from formation.arrays import FloatArray
+from formation.arrays import FloatArray, read_only
 from formation.offsets import Offsets
 from formation.orientation import Orientation
 from formation.paths.path import Path, heading
@@ -20,38 +23,82 @@ TIME, PLACE, THETA, FACING = 0, slice(1, 3), 3, 4
 """Columns of rows that say where a formation's centre is: path time, x and y, the path's heading, and facing."""
 DERIVATIVE_STEP = 1e-4
 """Half step [s] of the central difference for a slot's velocity; its error is far below a micrometre a second."""
+LONG, KEPT = 100, 14
+"""Answers about so many times are kept, and how many of them: two blocks of a reference are seven each."""
+
+
+class Course:
+    """Where the formation's centre is and which way it faces, by path time.
+
+    It is the same for all robots, whose references ask for it at the same times: the newest answers are kept.
+    """
+
+    def __init__(self, path: Path, orientation: Orientation, interval: float) -> None:
+        """A formation on its path.
+
+        Args:
+            path: of its centre.
+            orientation: which way it faces.
+            interval: over which the paper samples the path's heading [s].
+        """
+        self.path, self.interval, self._orientation = path, interval, orientation
+        self._answers: dict[tuple[str, bytes], FloatArray] = {}
+        self.everybody: Any = None
+        """The reference of all robots (formation/reference.py), if somebody has it: whose is of some takes it from
+        there."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the answers: they can be computed again."""
+        return {**self.__dict__, "_answers": {}, "everybody": None}
+
+    def position(self, t: FloatArray) -> FloatArray:
+        """Positions (T, 2) of the path at times t (T,) [m]."""
+        return self._kept("position", t, self.path.position)
+
+    def heading(self, t: FloatArray) -> FloatArray:
+        """Headings (T,) of the path [rad]."""
+        return self._kept("heading", t, lambda t: heading(self.path, t, self.interval))
+
+    def facing(self, t: FloatArray) -> FloatArray:
+        """Which way the formation faces, (T,) [rad]."""
+        return self._kept("facing", t, self._orientation.angle)
+
+    def _kept(self, what: str, t: FloatArray, made: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        if len(t) < LONG:
+            return made(t)
+        key = what, t.tobytes()
+        found = self._answers.get(key)
+        if found is None:
+            while len(self._answers) >= KEPT:
+                del self._answers[next(iter(self._answers))]
+            found = self._answers[key] = read_only(made(t).view())
+        return found
 
 
 class Motion:
     """The slots of some robots as functions of path time."""
 
-    def __init__(self, path: Path, offsets: Offsets, orientation: Orientation, interval: float) -> None:
-        """The motion of the robots with these offsets.
-
-        Args:
-            path: of the formation's centre.
-            offsets: of the robots wanted.
-            orientation: which way the formation faces.
-            interval: over which the paper samples the path's heading [s].
-        """
-        self.path, self.offsets, self._orientation, self.interval = path, offsets, orientation, interval
+    def __init__(self, course: Course, offsets: Offsets, robots: list[int] | None = None) -> None:
+        """The motion of these robots, of all if None, with their offsets from the formation's centre on its course."""
+        self.course, self.path, self.interval, self.offsets = course, course.path, course.interval, offsets
+        self.robots = robots
 
     def centre(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Positions (T, 2) [m] and headings (T,) [rad] of the path at times t (T,)."""
-        return self.path.position(t), heading(self.path, t, self.interval)
+        return self.course.position(t), self.course.heading(t)
 
     def facing(self, t: FloatArray) -> FloatArray:
         """Which way the formation faces at times t (T,): (T,) [rad]."""
-        return self._orientation.angle(t)
+        return self.course.facing(t)
 
     def positions(self, t: FloatArray) -> FloatArray:
         """Positions of the slots at times t (T,): (T, n, 2) [m]."""
-        turned = rotate(self._orientation.angle(t)[:, None], self.offsets.at(t))
-        return self.path.position(t)[:, None] + turned
+        turned = rotate(self.course.facing(t)[:, None], self.offsets.at(t))
+        return self.course.position(t)[:, None] + turned
 
     def poses(self, t: FloatArray) -> FloatArray:
         """Poses of the slots at times t (T,): (T, n, 3) [m, m, rad]."""
-        theta = heading(self.path, t, self.interval)[:, None]
+        theta = self.course.heading(t)[:, None]
         velocity = (self.positions(t + DERIVATIVE_STEP) - self.positions(t - DERIVATIVE_STEP)) / (2 * DERIVATIVE_STEP)
         return np.concatenate([self.positions(t), (theta + _drift(theta, velocity))[..., None]], axis=-1)
 

@@ -20,7 +20,7 @@ from formation.feasibility import Feasibility, examine, unexamined
 from formation.formation_spec import Formation
 from formation.link_ids import links_named
 from formation.offsets import Offsets
-from formation.orientation import Orientation, orientation_of
+from formation.orientation import orientation_of
 from formation.paths.driven import Driven
 from formation.paths.kinds import AnyPath
 from formation.paths.turns import Turn, spike, tight_turns
@@ -37,7 +37,7 @@ from formation.scenario.registry import spec_of, told
 from formation.scenario.robots import Noise, Robots
 from formation.schedule import Schedule
 from formation.schema import Duration, Model, Positive
-from formation.slot_motion import Motion
+from formation.slot_motion import Course, Motion
 from formation.validation import LABEL
 from formation.way import HeardReference
 
@@ -244,8 +244,8 @@ class Scenario(Model):
 
     def _motion(self, robots: list[int] | None = None, *, rounded: bool) -> Motion:
         offsets, interval, made = self.offsets, self.controller.prediction_interval, self._found[1]
-        if rounded not in made:
-            made[rounded] = orientation_of(
+        if (rounded := rounded and bool(self.path.corners)) not in made:
+            orientation = orientation_of(
                 self.formation,
                 self.path,
                 interval=interval,
@@ -253,7 +253,8 @@ class Scenario(Model):
                 rounded=rounded,
                 tight=lambda reach: bool(self._turns(reach)),
             )
-        return Motion(self.path, offsets if robots is None else offsets.rows(robots), made[rounded], interval)
+            made[rounded] = Course(self.path, orientation, interval)
+        return Motion(made[rounded], offsets if robots is None else offsets.rows(robots), robots)
 
     @cached_property
     def _schedule(self) -> Schedule:
@@ -261,8 +262,8 @@ class Scenario(Model):
         return Schedule(self._motion(rounded=True), self._limits, self.control_interval)
 
     @cached_property
-    def _found(self) -> tuple[dict[float, list[Turn]], dict[bool, Orientation]]:
-        """Turns that are too tight, by reach [m]; orientations, by `rounded`, for all robots: they are long to make."""
+    def _found(self) -> tuple[dict[float, list[Turn]], dict[bool, Course]]:
+        """Turns that are too tight, by reach [m]; courses, by `rounded`, for all robots: both are long to make."""
         return {}, {}
 
     def _turns(self, reach: float) -> list[Turn]:
@@ -295,6 +296,5 @@ class Scenario(Model):
         """Poses (n, 3) at t = 0, with start noise drawn from the seed [m, m, rad]."""
         poses = self.start.slots[0] if self.robots.poses is None else np.array(self.robots.poses)
         noise = self.robots.start_noise
-        spread = np.array([noise.position, noise.position, noise.heading])
         draws = np.random.Generator(np.random.Philox(key=[self.seed, 1])).standard_normal(poses.shape)
-        return frozen(poses + spread * draws)
+        return frozen(poses + np.array([noise.position, noise.position, noise.heading]) * draws)

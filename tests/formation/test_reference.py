@@ -151,6 +151,17 @@ def test_the_reference_of_some_robots_has_their_columns() -> None:
     np.testing.assert_array_equal(some.centre, whole.centre)
 
 
+@pytest.mark.parametrize("name", ["ring-16", "hexagon-sinusoid", "triangle-corner"])
+def test_a_robots_reference_has_the_same_bits_whether_that_of_all_was_made_before_or_not(name: str) -> None:
+    one, other = load(name), load(name)
+    whole = one.reference(rounded=True)
+    of_all, alone = (of.reference([1, one.size, 2], rounded=True) for of in (one, other))
+    for k in (0, BLOCK_TICKS):
+        assert of_all.block(k).slots.tobytes() == alone.block(k).slots.tobytes()
+        assert of_all.block(k).inputs.tobytes() == alone.block(k).inputs.tobytes()
+        assert of_all.block(k).centre is whole.block(k).centre  # it was taken from there
+
+
 def test_other_intervals_are_obeyed() -> None:
     scenario = load("circle", ["control_interval=0.02", "controller.prediction_interval=0.2", "controller.horizon=5"])
     assert isinstance(scenario.reference(), Reference)

@@ -14,7 +14,7 @@ from formation.orientation import Along
 from formation.paths.kinds import Circle, Figure8
 from formation.paths.path import Path
 from formation.schedule import MARGIN, Schedule
-from formation.slot_motion import Motion
+from formation.slot_motion import Course, Motion
 
 FORMATION = Formation.model_validate({"shape": "triangle", "spacing": 0.2})
 LIMITS = np.array([0.3, 1.0])
@@ -22,7 +22,7 @@ TICK = 0.01
 
 
 def schedule(path: Path, limits: Any = LIMITS) -> tuple[Motion, Schedule]:
-    motion = Motion(path, Offsets(FORMATION, path), Along(path, 0.1), 0.1)
+    motion = Motion(Course(path, Along(path, 0.1), 0.1), Offsets(FORMATION, path))
     return motion, Schedule(motion, limits, TICK)
 
 

@@ -9,8 +9,7 @@ carried by a disturbance's drift and by gusts.
 import math
 from collections import deque
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,8 +23,7 @@ from world.bodies.gusts import Gusts
 from world.bodies.sensors import Measured, Sensors
 
 
-@dataclass(frozen=True, slots=True)
-class Constants:
+class Constants(NamedTuple):
     """What one robot's body is like."""
 
     rate: float
@@ -109,16 +107,21 @@ class WheeledBodies:
         acting = self._queue.popleft()
         drive, cap, drift, slip = self._disturbed()
         noise = self._motion.at(self._k).tolist() if self._slips or any(slip) else None
-        made, wheels = [], []
+        made, wheels, white = [], [], self._keep == 0.0
         for i, body in enumerate(self._bodies):
-            speeds = _spun(body, self._wheels[i], acting[i], cap[i])
-            v, omega = speeds[0] * body.gains[0], speeds[1] * body.gains[1]
-            if noise is not None:
-                n = self._correlated(i, noise[i])
-                share = body.slip + slip[i]
-                v, omega = v * (1.0 + share * n[0]), omega * (1.0 + share * n[1]) + body.gyro * n[2]
-            made.append((v * drive[i], (omega + body.offset) * drive[i]))
+            _, _, (v_most, omega_most), (gain, turn_gain), offset, own_slip, gyro, exact = body
+            (v, omega), share = acting[i], drive[i]
+            v_most = min(v_most, cap[i])
+            v = v_most if v > v_most else -v_most if v < -v_most else v
+            omega = omega_most if omega > omega_most else -omega_most if omega < -omega_most else omega
+            speeds = [v, omega] if exact else _spun(body, self._wheels[i], [v, omega])
             wheels.append(speeds)
+            v, omega = speeds[0] * gain, speeds[1] * turn_gain
+            if noise is not None:
+                n = noise[i] if white else self._correlated(i, noise[i])
+                slipped = own_slip + slip[i]
+                v, omega = v * (1.0 + slipped * n[0]), omega * (1.0 + slipped * n[1]) + gyro * n[2]
+            made.append((v * share, (omega + offset) * share))
         self._wheels = wheels
         if self._gusts.blow:
             gust = self._gusts.at(self._k)
@@ -137,9 +140,7 @@ class WheeledBodies:
         return poses if drift is None else poses + self._dt * drift
 
     def _correlated(self, i: int, fresh: list[float]) -> list[float]:
-        """The noise of robot row i at this tick: white, or first-order autoregressive with unit variance."""
-        if self._keep == 0.0:
-            return fresh
+        """The noise of robot row i at this tick: first-order autoregressive with unit variance."""
         blend = math.sqrt(1.0 - self._keep * self._keep)
         self._slipping[i] = [self._keep * old + blend * new for old, new in zip(self._slipping[i], fresh, strict=True)]
         return self._slipping[i]
@@ -164,12 +165,8 @@ class WheeledBodies:
         return [entry for entry in self._disturbances if entry.on(self._k * self._dt)]
 
 
-def _spun(body: Constants, wheel: list[float], command: list[float], cap: float) -> list[float]:
-    """Wheel speeds a tick later."""
-    most = min(body.limits[0], cap), body.limits[1]
-    wanted = [min(max(command[0], -most[0]), most[0]), min(max(command[1], -most[1]), most[1])]
-    if body.exact:
-        return wanted
+def _spun(body: Constants, wheel: list[float], wanted: list[float]) -> list[float]:
+    """Wheel speeds a tick later, on their way to those that are wanted."""
     for c in range(2):
         if body.rate < 1.0 or math.isfinite(body.change[c]):
             step = body.rate * (wanted[c] - wheel[c])

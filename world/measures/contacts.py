@@ -126,7 +126,8 @@ class AtLimits:
             abs(v) >= a or abs(w) >= b for (v, w), (a, b) in zip(inputs.tolist(), self._few, strict=True)
         ):
             at = np.abs(inputs) >= self._limits
-            self._at_limit += at[:, 0] | at[:, 1]
+            if at.any():
+                self._at_limit += at[:, 0] | at[:, 1]
         if self._arena is not None:
             low, high = self._arena[:2], self._arena[2:]
             self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)

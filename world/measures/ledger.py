@@ -72,8 +72,8 @@ class Ledger:
         self._causes: list[_Cause] = []
         self._settled = np.zeros(self._n, dtype=bool)
         """Who has been within the limit once: the way to the slots at the start is no excursion."""
-        self._ages = np.zeros(self._n)
-        """Of the plans that the robots act on [s]."""
+        self._acted: dict[int, Command] = {}
+        """The newest command of each robot, with the age of the plan that it acts on."""
         self._told = scenario.path.known_to == "leader"
         """Whether who is cut off from the others does not know the way."""
         self._away, self._playing, self._since = set[int](), set(range(1, self._n + 1)), np.zeros(self._n)
@@ -107,8 +107,7 @@ class Ledger:
         Returns:
             A line for each excursion that begins or is over.
         """
-        for robot, command in commands.items():
-            self._ages[robot - 1] = command.age
+        self._acted.update(commands)
         seen = (faults, disturbances, tuple(live), tuple(away))
         if seen != self._seen:
             self._seen = seen
@@ -174,7 +173,8 @@ class Ledger:
 
     def _cause(self, robot: int, now: float) -> _Cause | None:
         """What began last of that which acts, or acted lately, on the robot or upstream of it."""
-        window = self._horizon + min(float(self._ages[robot - 1]), now - float(self._since[robot - 1]))
+        age = self._acted[robot].age if robot in self._acted else 0.0
+        window = self._horizon + min(age, now - float(self._since[robot - 1]))
         possible = [
             cause
             for cause in self._causes

@@ -132,6 +132,8 @@ class Avoidance:
 
     def take(self) -> FloatArray | None:
         """Mean speeds (2,) that the commands since the last call lead to, if one was changed [m/s, rad/s]."""
+        if not self._works:
+            return None
         mean = self._since[:2] / self._since[2] if self._changed else None
         self._since[:] = 0.0
         self._changed = False

@@ -8,7 +8,8 @@ neighbour is believed to be in its slot.
 import numpy as np
 
 from agents.controllers.interface import NeighborEstimate
-from agents.kernels.drifting import carry
+from agents.controllers.task import Task
+from agents.kernels.drifting import carry, carry_along
 from formation.arrays import FloatArray
 from network.messages import Plan
 
@@ -40,14 +41,35 @@ class Belief:
             tail: (N, 2) inputs that keep it in its slot, for when its plan has ended.
         """
         plan = self.plan
-        if plan is None or plan.inputs.shape != tail.shape:
+        if plan is None:
             return NeighborEstimate(slot, tail, plan)
-        elapsed = at - plan.begins  # negative if the sender looks further ahead
-        if elapsed >= len(tail) * plan.interval:
+        elapsed, interval, shape = at - plan.begins, plan.interval, tail.shape
+        if plan.inputs.shape != shape or elapsed >= shape[0] * interval:
             return NeighborEstimate(slot, tail, plan)
-        pose, inputs = np.empty(3), np.empty(tail.shape)
-        carry(plan.pose, plan.inputs, plan.drift, elapsed, plan.interval, tail, pose, inputs)
-        return NeighborEstimate(pose, inputs, plan, max(elapsed, 0.0), plan.drift)
+        pose, inputs, drift = np.empty(3), np.empty(shape), plan.drift
+        carry(plan.pose, plan.inputs, drift, elapsed, interval, tail, pose, inputs)  # elapsed < 0: it looks further
+        return NeighborEstimate(pose, inputs, plan, max(elapsed, 0.0), drift)
+
+    def ahead(self, at: float, k: int, task: Task, column: int) -> NeighborEstimate:
+        """The neighbour at a time, as `aged` has it.
+
+        Args:
+            at: where the own plan begins [s].
+            k: the same in ticks.
+            task: the own, in which the neighbour's slot is this column.
+            column: 1 upstream, 3 downstream.
+        """
+        plan = self.plan
+        if plan is None:
+            return NeighborEstimate(*task.slot(k, column), plan)
+        elapsed, interval, steps = at - (plan.stamp + plan.delay), plan.interval, task.horizon
+        way, drift = plan.inputs, plan.drift
+        if len(way) != steps or elapsed >= steps * interval:
+            return NeighborEstimate(*task.slot(k, column), plan)
+        (block, row), pose, inputs = task.begin(k), np.empty(3), np.empty((steps, 2))
+        table, stride, pace = block.inputs, task.stride, task.pace
+        carry_along(plan.pose, way, drift, elapsed, interval, table, row, stride, pace, column, pose, inputs)
+        return NeighborEstimate(pose, inputs, plan, elapsed if elapsed > 0.0 else 0.0, drift)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour as in its newest plan, whatever the plan's age."""

@@ -13,7 +13,7 @@ from agents.kernels.window.state import LENGTH
 from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
-from network.messages import Plan
+from network.messages import Plan, Tick
 from network.values import NO_MEASUREMENTS, NO_SUMS
 
 STILL, NONE, CERTAIN = np.zeros(2), np.zeros(3), np.zeros((3, 3))
@@ -28,6 +28,14 @@ class Measurement(NamedTuple):
     """(3,) localised [m, m, rad]."""
     relative: FloatArray | None
     """(2,) position of the upstream neighbour in the own frame [m]."""
+
+
+def measured(tick: Tick, row: int) -> Measurement:
+    """What the sensors tell the robot of this row; they have measured."""
+    assert tick.measured is not None
+    delivers = len(tick.localised) == len(tick.poses) or row + 1 in tick.localised
+    relative = tick.relatives[row] if len(tick.relatives) else None
+    return Measurement(tick.measured, tick.poses[row] if delivers else None, relative)
 
 
 class Estimate(NamedTuple):
@@ -64,8 +72,8 @@ class Estimator(Protocol):
         """Wheel speeds (2,) at tick 0."""
         ...
 
-    def roll(self, k: int, speed: FloatArray) -> None:
-        """Odometry (2,) of tick k - 1, which has just ended."""
+    def roll(self, k: int, speed: FloatArray, measurement: Measurement | None = None) -> None:
+        """Odometry (2,) of tick k - 1, which has just ended, and what was measured then, if it came in with it."""
         ...
 
     def sense(self, measurement: Measurement) -> None:
@@ -123,9 +131,11 @@ class LatestPose:
     def begin(self, speed: FloatArray) -> None:
         self._speed = speed
 
-    def roll(self, k: int, speed: FloatArray) -> None:
+    def roll(self, k: int, speed: FloatArray, measurement: Measurement | None = None) -> None:
         self._odometry[(k - 1) % LENGTH] = speed
         self._speed = speed
+        if measurement is not None:
+            self.sense(measurement)
 
     def sense(self, measurement: Measurement) -> None:
         if measurement.pose is not None and (self._newest is None or measurement.tick > self._newest[0]):

@@ -63,3 +63,8 @@ class MotorModel:
         if self._learns_lag:
             self.lag = tau_of(rho, self._dt)
             self.rate = self._rate()
+
+
+def within(value: float, limit: float) -> float:
+    """The value, held within +- limit; quicker than by min and max."""
+    return limit if value > limit else -limit if value < -limit else value

@@ -8,7 +8,6 @@ from agents.controllers.task import Task
 from agents.estimator import STILL, Estimate, Measurement
 from agents.kernels.window import estimation
 from agents.kernels.window.estimation import (
-    ALARM,
     COVARIANCE,
     DISTURBANCE,
     DRIFT,
@@ -16,7 +15,6 @@ from agents.kernels.window.estimation import (
     NEIGHBOUR,
     NEIGHBOUR_DRIFT,
     POSE,
-    REJECTED,
     RESULTS,
     SPEED,
     TWIST,
@@ -36,6 +34,10 @@ IN_PLACE, IN_LINE = 0.001, 0.01
 NOWHERE: FloatArray = np.zeros(3)
 SILENCE = (-math.inf, 1.0, np.zeros((1, 2)), STILL, STILL)
 """No plan, as compiled code takes it."""
+UNMEASURED = (0, False, NOWHERE, False, STILL)
+"""No measurement, likewise."""
+NOT_PASSED = np.empty((0, 4)), np.empty((0, COLUMNS))
+"""Odometry and measurements in plans of who passes nothing on."""
 
 
 class WindowEstimator:
@@ -87,31 +89,33 @@ class WindowEstimator:
     def begin(self, speed: FloatArray) -> None:
         self._begun, self._speed = True, speed
 
-    def roll(self, k: int, speed: FloatArray) -> None:
+    def roll(self, k: int, speed: FloatArray, measurement: Measurement | None = None) -> None:
         motors = self._motors
         if not self._rolled and k > 1:  # the agent begins in the middle of an episode
             self._knows = False
             self.window.sums[0, 2] = k - 1
-        learns = self._rolled and motors.learns
-        if estimation.roll(*self.memory, motors.memory, k, self._speed, speed, self._dt, learns):
+        learns, knows = self._rolled and motors.learns, self._knows
+        sensed = self._sensed(measurement) if measurement is not None and knows else UNMEASURED
+        real, whole = self.memory
+        if estimation.roll(real, whole, motors.memory, k, self._speed, speed, self._dt, learns, *sensed):
             motors.learnt()
-        self._begun, self._rolled, self._until = True, True, k
-        self._speed = speed
+        self._begun, self._rolled, self._until, self._speed = True, True, k, speed
+        if measurement is not None and not knows:
+            self.sense(measurement)
 
     def sense(self, measurement: Measurement) -> None:
-        pose, relative = measurement.pose, measurement.relative
+        pose = measurement.pose
         if pose is not None and not self._knows and measurement.tick >= self._until - LENGTH:
             self._begin(measurement.tick, pose)
             return
-        located, related = pose is not None, relative is not None and self.sees
-        estimation.sense(
-            *self.memory,
-            measurement.tick,
-            located,
-            pose if located else NOWHERE,
-            related,
-            relative if related else STILL,
-        )
+        estimation.sense(*self.memory, *self._sensed(measurement))
+
+    def _sensed(self, measurement: Measurement) -> tuple[int, bool, FloatArray, bool, FloatArray]:
+        """A measurement as compiled code takes it."""
+        tick, pose, relative = measurement
+        if relative is None or not self.sees:
+            return (tick, False, NOWHERE, False, STILL) if pose is None else (tick, True, pose, False, STILL)
+        return (tick, False, NOWHERE, True, relative) if pose is None else (tick, True, pose, True, relative)
 
     def _begin(self, tick: int, pose: FloatArray) -> None:
         """The first localisation is where the filter starts."""
@@ -135,19 +139,29 @@ class WindowEstimator:
         table = task.table(k)
         late = table if task.lag == 0.0 else task.table(math.floor(k - task.lag / self._dt))
         out = self._results = np.empty(RESULTS)
-        odometry, rows = np.empty((hops, 4)), np.empty((hops * KEPT, COLUMNS))
-        used = estimation.estimate(
-            *self.memory,
+        odometry, rows = (np.empty((hops, 4)), np.empty((hops * KEPT, COLUMNS))) if hops else NOT_PASSED
+        begins, interval, inputs, twist, disturbance = SILENCE
+        if heard is not None:
+            begins, interval, inputs = heard.stamp + heard.delay, heard.interval, heard.inputs
+            twist, disturbance = heard.twist, heard.disturbance
+        (real, whole), (slots, ways, first), (late_slots, late_ways, late_first) = self.memory, table, late
+        used, rejected, alarm = estimation.estimate(
+            real,
+            whole,
             motors.memory,
             self._tuning,
-            *table,
-            *late,
+            slots,
+            ways,
+            first,
+            late_slots,
+            late_ways,
+            late_first,
             task.lag,
-            *(
-                SILENCE
-                if heard is None
-                else (heard.begins, heard.interval, heard.inputs, heard.twist, heard.disturbance)
-            ),
+            begins,
+            interval,
+            inputs,
+            twist,
+            disturbance,
             k,
             motors.delay,
             motors.rate,
@@ -158,15 +172,15 @@ class WindowEstimator:
             odometry,
             rows,
         )
-        self._odometry, self._rows = odometry, rows[:used]
+        self._odometry, self._rows = odometry, rows[:used] if hops else rows
         return Estimate(
             out[POSE],
             out[SPEED],
             out[TWIST],
             out[DISTURBANCE],
             out[COVARIANCE].reshape(3, 3),
-            int(out[REJECTED]),
-            (k - self._late - int(out[ALARM])) * self._dt,
+            rejected,
+            (k - self._late - alarm) * self._dt,
             out[INPUT_DISTURBANCE],
             out[DRIFT],
         )

@@ -106,8 +106,9 @@ class Simulation:
                 agent.set_faults(world.faults.table)
             if world.scenario is not self._scenario:
                 self._reshape(world.scenario, moved)
+        heard_by = self._heard_by
         for plan in self._plans:
-            for robot in self._heard_by[plan.sender]:
+            for robot in heard_by[plan.sender]:
                 if robot not in moved:
                     agents[robot].receive(plan)
         if self._team:

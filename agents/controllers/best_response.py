@@ -19,17 +19,12 @@ from agents.controllers.interface import NeighborEstimate, Observation, Solution
 from agents.controllers.task import Task
 from agents.controllers.waiting import Waiting
 from agents.kernels import waiting_state
-from agents.kernels.best_response import WORK_COLUMNS, plan_response
+from agents.kernels.best_response import plan_response, planner
 from agents.kernels.response import lag_of
+from agents.kernels.waiting import FRESH
+from formation.arrays import FloatArray
 
-SHARED = 0.25
-"""Weight of the own slot while neighbours are trusted, as a share of that without."""
-ALARM_TIME, ALARM_MEMORY, ALARM_LEAST = 0.1, 0.5, 0.1
-"""While the own robot is newly disturbed, trust fades with this time constant; for how long that holds [s]."""
-SIGHT_TIME, SIGHT_LEAST = 0.6, 0.3
-"""Trust in a neighbour that is seen: how fast it fades [s], and what is left of it."""
-WAIT_TIME = 0.05
-"""While anybody waits, trust fades with this time constant: a stuck robot's plan is wrong [s]."""
+NOTHING_NEW: FloatArray = np.zeros((0, 4))
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,76 +54,105 @@ class BestResponse:
             waiting: how it waits for others; None: never.
             sources: neighbours whose plans it hears: 0, 1 or 2. An edge to a neighbour that is seen it holds anyway.
         """
-        self._task, self._spacing, self._weights, self._waiting = task, spacing, weights, waiting
-        self._sources = sources
-        self._costs = np.array([weights.speed / spacing**2, weights.turn])
-        self._work = np.empty((task.horizon + 1, WORK_COLUMNS))
-        self._last = np.zeros((task.horizon, 2))
-        self._begun = False
+        self._task, self._waiting, self._row = task, waiting, task.robot - 1
         self._step = task.every * task.tick
+        times = self._step, task.tick, task.interval, task.stride
+        constants = weights.own, spacing**2, spacing, sources, weights.trust_time, *times
+        costs = weights.speed / spacing**2, weights.turn
+        self._planner = planner(constants, costs, task.limits, task.horizon)
         self._memory = waiting.memory if waiting else waiting_state.start(1, task.horizon)
+        self._robots = int(self._memory.whole[0])  # of which a plan may tell news
+        self._motor_lag, self._lag = 0.0, lag_of(0.0, task.interval)
 
     def plan(self, observation: Observation) -> Solution:
-        task, weights, square = self._task, self._weights, self._spacing**2
-        waits = False
-        if self._waiting and observation.lost:
-            self._waiting.lose(observation.k)
-        elif self._waiting:
-            waits = self._waiting.update(observation)
-        ahead = task.ahead(observation.k)
-        up, down = observation.upstream, observation.downstream
-        f, g = self._trust(observation, up, waiting=waits), self._trust(observation, down, waiting=waits)
-        trust = f / max(self._sources, 1) + g / max(self._sources, 1)
-        place = weights.own * (SHARED + (1.0 - trust) * (1.0 - SHARED)) / square
-        other = down or up
-        inputs, motion = np.empty((task.horizon, 2)), np.empty((task.horizon, 2))
-        news = np.empty((int(self._memory.whole[0]), 4))
-        converged, rate, waits, known = plan_response(
-            *self._memory,
-            ahead.slots,
-            ahead.inputs,
-            observation.pose,
-            observation.speed,
-            observation.disturbance,
-            f * weights.own / square,
+        task, waiting, lost = self._task, self._waiting, observation.lost
+        if waiting and lost:
+            waiting.lose(observation.k)
+        elif waiting and observation.kept_off is not None:
+            waiting.let_be(observation.kept_off, observation.k)
+        out, news = np.empty((2, task.horizon, 2)), np.empty((self._robots, 4))
+        attends = waiting is not None and not lost
+        found = self._respond(observation, out, news, attends=attends, waits=False)
+        if not found[0]:
+            _, task.lag, task.pace, waits, *_ = found
+            found = self._respond(observation, out, news, attends=False, waits=waits)
+        _, lag, _, _, converged, rate, waits, known = found
+        if waiting is None:
+            return Solution(out[0], converged, motion=out[1])
+        return Solution(out[0], converged, lag, rate, waits, news[:known], out[1])
+
+    def _respond(
+        self, observation: Observation, out: FloatArray, news: FloatArray, *, attends: bool, waits: bool
+    ) -> tuple[bool, float, float, bool, bool, float, bool, int]:
+        """The plan as plan_response makes it, or no plan but another lag and pace."""
+        k, pose, up, down, speed, disturbance, covariance, alarm_age, rejected, gap, lag, _, lost, _, _ = observation
+        task, at, (real, whole) = self._task, 0.0, self._memory
+        block, row = task.begin(k)
+        table_slots, table_inputs, first = block.slots, block.inputs, block.first
+        if attends:
+            at = max(k - (task.lag + (1.0 - task.pace) * self._step) / task.tick, 0.0)
+            table_slots, table_inputs, first = task.table(math.floor(at + 1e-9))
+        if lag != self._motor_lag:
+            self._motor_lag, self._lag = lag, lag_of(lag, task.interval)
+        keep, blend = self._lag
+        up_inputs, up_news, up_trusted, up_waits = self._heard(up, k, lost=lost)
+        down_news, down_trusted, down_waits, down_inputs = NOTHING_NEW, False, False, up_inputs
+        if down is None:
+            down = up
+        else:
+            down_inputs, down_news, down_trusted, down_waits = self._heard(down, k, lost=lost)
+        found: tuple[bool, float, float, bool, bool, float, bool, int] = plan_response(
+            real,
+            whole,
+            self._planner,
+            block.slots,
+            block.inputs,
+            row,
+            task.lag,
+            task.pace,
+            attends,
+            waits,
+            self._row,
+            table_slots,
+            table_inputs,
+            first,
+            at,
+            k,
+            pose,
+            speed,
+            disturbance,
+            covariance,
+            rejected,
+            gap,
+            alarm_age,
+            keep,
+            blend,
             up.pose,
-            np.ascontiguousarray(up.inputs),
+            up_inputs,
             up.drift,
-            g * weights.own / square,
-            other.pose,
-            np.ascontiguousarray(other.inputs),
-            other.drift,
-            place,
-            self._costs,
-            task.limits,
-            *lag_of(observation.motor_lag, task.interval),
-            task.interval,
-            self._step,
-            self._begun,
-            self._last,
-            self._work,
-            inputs,
-            motion,
+            up_news,
+            up.age,
+            up.seen,
+            up_trusted,
+            up_waits,
+            down.pose,
+            down_inputs,
+            down.drift,
+            down_news,
+            down.age,
+            down.seen,
+            down_trusted,
+            down_waits,
+            out,
             news,
         )
-        self._last, self._begun = inputs, True
-        if self._waiting is None:
-            return Solution(inputs, converged, motion=motion)
-        return Solution(inputs, converged, task.lag, rate, waits, news[:known], motion)
+        return found
 
-    def _trust(self, observation: Observation, neighbour: NeighborEstimate | None, *, waiting: bool) -> float:
-        """f_q of one neighbour."""
-        if neighbour is None:
-            return 0.0
-        if neighbour.plan is not None and (neighbour.plan.lost > 0) != observation.lost:
-            return 0.0  # they follow different references: an edge between them means nothing
-        age = neighbour.age if self._sources else math.inf
-        if not (neighbour.seen or math.isfinite(age)):
-            return 0.0
-        if neighbour.seen:
-            f = max(SIGHT_LEAST, math.exp(-age / SIGHT_TIME))
-        else:
-            f = math.exp(-age / self._weights.trust_time)
-            if math.exp(-observation.alarm_age / ALARM_MEMORY) >= ALARM_LEAST:
-                f *= math.exp(-age / ALARM_TIME)
-        return f * math.exp(-age / WAIT_TIME) if waiting else f
+    def _heard(self, neighbour: NeighborEstimate, k: int, *, lost: bool) -> tuple[FloatArray, FloatArray, bool, bool]:
+        """A neighbour's inputs, the news of its plan, whether an edge to it means something, whether it waits."""
+        inputs, plan = np.ascontiguousarray(neighbour.inputs), neighbour.plan
+        if plan is None:
+            return inputs, NOTHING_NEW, True, False
+        # Of two robots that follow different references, an edge between them means nothing.
+        waits = plan.waits and k * self._task.tick - (plan.stamp + plan.delay) < FRESH
+        return inputs, plan.news, (plan.lost > 0) == lost, waits

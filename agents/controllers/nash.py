@@ -21,6 +21,6 @@ def make(scenario: Scenario, robot: int, task: Task) -> Controller:
         return PairNash(scenario, robot, task)
     trust = own.trust_time or TRUST_TIME[own.hears]
     speed, turn = (own.r[0] * spacing**2, own.r[1]) if own.r else (SPEED, TURN)
-    waits = Waiting(task, robot, scenario.size, spacing) if own.waits else None
+    waits = Waiting(task) if own.waits else None
     sources = 2 if own.hears == "both" else 1
     return BestResponse(task, spacing, Weights(own.own_weight, speed, turn, trust), waits, sources=sources)

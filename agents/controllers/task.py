@@ -68,7 +68,7 @@ class Task:
         self.pace = 1.0
         """At which rate its reference time runs over the horizon."""
         self._table: tuple[Block, Table] | None = None
-        self._ahead: tuple[tuple[int, float, float], HorizonReference] | None = None
+        self._ahead: tuple[int, float, float, HorizonReference] | None = None
 
     def reshape(self, scenario: Scenario, k: int) -> None:
         """From tick k on the formation has the offsets of this scenario; before it they are the same."""
@@ -126,10 +126,10 @@ class Task:
 
     def table(self, k: int) -> Table:
         """The reference around tick k as compiled code takes it."""
-        block = self.reference.block(max(k, 0))
-        if self._table is None or self._table[0] is not block:
-            self._table = block, Table(block.slots, block.inputs, block.first)
-        return self._table[1]
+        block, known = self.reference.block(max(k, 0)), self._table
+        if known is None or known[0] is not block:
+            known = self._table = block, Table(block.slots, block.inputs, block.first)
+        return known[1]
 
     def target(self, k: int) -> tuple[FloatArray, float]:
         """The robot's slot (3,) at tick k, a little earlier if between ticks, and that slot's speed at full pace."""
@@ -138,17 +138,27 @@ class Task:
 
     def ahead(self, k: int) -> HorizonReference:
         """The reference from tick k on, by the robot's reference time."""
-        key = (k, self.lag, self.pace)
-        if self._ahead is None or self._ahead[0] != key:
-            at = self._row(k)
-            if self.way is not None and self.pace > 1.0:
-                self.way.block(math.ceil(at + (self.pace - 1.0) * self.horizon * self.stride))
-            block, row = self.block(math.floor(at))
-            slots, inputs = np.empty((self.horizon + 1, 4, 3)), np.empty((self.horizon, 4, 2))
-            between = row + (at - math.floor(at))
-            sample(block.slots, block.inputs, between, self.stride, self.pace, slots, inputs)
-            self._ahead = key, HorizonReference(slots, inputs)
-        return self._ahead[1]
+        known = self._ahead
+        if known is not None and known[0] == k and known[1] == self.lag and known[2] == self.pace:
+            return known[3]
+        block, row = self.begin(k)
+        slots, inputs = np.empty((self.horizon + 1, 4, 3)), np.empty((self.horizon, 4, 2))
+        sample(block.slots, block.inputs, row, self.stride, self.pace, slots, inputs)
+        ahead = HorizonReference(slots, inputs)
+        self._ahead = k, self.lag, self.pace, ahead
+        return ahead
+
+    def begin(self, k: int) -> tuple[Block, float]:
+        """The reference's block in which the horizon from tick k on begins, by the robot's reference time; the row."""
+        if self.lag == 0.0 and self.pace <= 1.0:
+            block = self.reference.block(k)
+            return block, float(k - block.first)
+        at = k - self.lag / self.tick
+        if self.way is not None and self.pace > 1.0:
+            self.way.block(math.ceil(at + (self.pace - 1.0) * self.horizon * self.stride))
+        whole = math.floor(at)
+        block = self.reference.block(whole)
+        return block, whole - block.first + (at - whole)
 
     def slot(self, k: int, column: int) -> tuple[FloatArray, FloatArray]:
         """Slot pose (3,) now, and inputs (N, 2) that keep to it over the horizon; column as in `block`."""

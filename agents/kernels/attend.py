@@ -1,25 +1,45 @@
-"""Waiting as Python calls it: one call a planning tick (docs/theory.md, section 15)."""
+"""What a neighbour's plan counts for at a planning tick: how far it is trusted, and what it says of waiting.
+
+docs/theory.md, sections 14 and 15.
+"""
 
 import math
 
 import numpy as np
 
-from agents.kernels.jit import (
-    FLAG,
-    MATRIX,
-    REAL,
-    TABLE,
-    VECTOR,
-    VECTOR_OUT,
-    WHOLE,
-    WHOLE_VECTOR_OUT,
-    kernel,
-    kernel_for,
-    several,
-)
+from agents.kernels.jit import kernel
 from agents.kernels.waiting import Self, decide, merge, somebody
-from agents.kernels.waiting_state import LAG, PACE, wait_of
-from formation.arrays import FloatArray, IntArray
+from agents.kernels.waiting_state import Wait
+from formation.arrays import FloatArray
+
+ALARM_TIME, ALARM_MEMORY, ALARM_LEAST = 0.1, 0.5, 0.1
+"""While the own robot is newly disturbed, trust fades with this time constant; for how long that holds [s]."""
+SIGHT_TIME, SIGHT_LEAST = 0.6, 0.3
+"""Trust in a neighbour that is seen: how fast it fades [s], and what is left of it."""
+WAIT_TIME = 0.05
+"""While anybody waits, trust fades with this time constant: a stuck robot's plan is wrong [s]."""
+
+
+@kernel
+def trust_in(age: float, seen: bool, trust_time: float, alarm_age: float, waiting: bool) -> float:
+    """f_q of one neighbour.
+
+    Args:
+        age: of its plan [s]; inf without one.
+        seen: whether its pose comes from relative sensing.
+        trust_time: time constant with which trust in a plan fades with its age [s].
+        alarm_age: since the last detection of a disturbance of the own robot [s].
+        waiting: whether anybody waits.
+    """
+    if not (seen or math.isfinite(age)):
+        return 0.0
+    if seen:
+        f = max(SIGHT_LEAST, math.exp(-age / SIGHT_TIME))
+    else:
+        f = math.exp(-age / trust_time)
+        if math.exp(-alarm_age / ALARM_MEMORY) >= ALARM_LEAST:
+            f *= math.exp(-age / ALARM_TIME)
+    return f * math.exp(-age / WAIT_TIME) if waiting else f
 
 
 @kernel
@@ -35,15 +55,9 @@ def _place(slots: FloatArray, inputs: FloatArray, first: int, at: float, slot: F
     slot[2] = slots[row, 0, 2] + part * turn
 
 
-@kernel_for(
-    several(REAL, REAL, FLAG),
-    *(VECTOR_OUT, WHOLE_VECTOR_OUT, WHOLE, REAL, VECTOR, MATRIX, VECTOR, WHOLE, REAL),
-    *(TABLE, TABLE, WHOLE, REAL, MATRIX, MATRIX, FLAG),
-    *(REAL, REAL, REAL, REAL, REAL),
-)
+@kernel
 def attend(
-    real: FloatArray,
-    whole: IntArray,
+    w: Wait,
     robot: int,
     stamp: float,
     pose: FloatArray,
@@ -63,11 +77,11 @@ def attend(
     h: float,
     dt: float,
     interval: float,
-) -> tuple[float, float, bool]:
+) -> bool:
     """Take the neighbours' news and decide, at a planning tick.
 
     Args:
-        real, whole: the waiting, see FlatWait; changed.
+        w: the waiting; changed, its lag [s] and pace too.
         robot, stamp, pose, rejected, gap: see Self.
         covariance: (3, 3) of the pose.
         disturbance: (3,) d_v, d_l, d_w of the own robot [m/s, m/s, rad/s].
@@ -78,9 +92,8 @@ def attend(
         spacing, v_max, h, dt, interval: see `decide`.
 
     Returns:
-        Lag [s], pace, and whether anybody waits, as far as is known.
+        Whether anybody waits, as far as is known.
     """
-    w = wait_of(real, whole)
     merge(w, news)
     merge(w, more_news)
     slot, rates = np.empty(3), np.empty(2)
@@ -90,4 +103,4 @@ def attend(
     variance = c * c * p[0, 0] + 2.0 * c * s * p[0, 1] + s * s * p[1, 1]
     me = Self(robot, stamp, pose, math.sqrt(max(variance, 0.0)), disturbance[0], rejected, gap)
     decide(w, me, slot, rates, spacing, v_max, h, dt, interval)
-    return w.real[LAG], w.real[PACE], somebody(w, robot, stamp, heard_waits, dt)
+    return bool(somebody(w, robot, stamp, heard_waits, dt))

@@ -1,13 +1,16 @@
 """The best response as Python calls it: one call a plan (docs/theory.md, section 14).
 
-It puts together what one Gauss-Newton step (agents/kernels/response.py) needs: the last plan moved on, the edges to the
-neighbours, slots turned against the drift; and then what the plan says of waiting (agents/kernels/waiting.py).
+It decides on waiting (agents/kernels/attend.py), puts together what one Gauss-Newton step (agents/kernels/response.py)
+needs: the last plan moved on, the edges to the neighbours by the trust in their plans, slots turned against the drift;
+and then what the plan says of waiting (agents/kernels/waiting.py).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from agents.kernels.attend import attend, trust_in
 from agents.kernels.drifting import between
 from agents.kernels.jit import (
     FLAG,
@@ -15,6 +18,7 @@ from agents.kernels.jit import (
     MATRIX_OUT,
     REAL,
     TABLE,
+    TABLE_OUT,
     VECTOR,
     VECTOR_OUT,
     WHOLE,
@@ -24,16 +28,57 @@ from agents.kernels.jit import (
     several,
 )
 from agents.kernels.response import Lag, Stage, Targets, respond
-from agents.kernels.unicycle import shift, step
+from agents.kernels.unicycle import sample, shift, step
+from agents.kernels.views import shaped
 from agents.kernels.waiting import honest, known, remember
-from agents.kernels.waiting_state import RATE, WAITS, wait_of
+from agents.kernels.waiting_state import LAG, PACE, RATE, WAITS, wait_of
 from formation.arrays import FloatArray, IntArray
 
 OWN, UPSTREAM, DOWNSTREAM = 0, 1, 3
 """Columns of the reference over the horizon."""
 SLOW = 0.01
 """Speed of a slot below which its heading is not turned against a drift [m/s]."""
+SHARED = 0.25
+"""Weight of the own slot while neighbours are trusted, as a share of that without."""
+WEIGHT, SQUARE, SPACING, SOURCES, TRUST_TIME, STEP, TICK, INTERVAL, STRIDE, BEGUN = range(10)
+"""Constants of a planner: S_0, spacing squared [m2] and spacing [m], neighbours whose plans are heard, time constant of
+trust in a plan, time from one plan to the next, tick, Delta_T [s]; Delta_T in ticks; 1 once there is a last plan."""
 WORK_COLUMNS = 24
+
+
+class Planner(NamedTuple):
+    """What one robot plans with: constants of its cost, and its last plan."""
+
+    constants: FloatArray
+    """(10,) see WEIGHT."""
+    costs: FloatArray
+    limits: FloatArray
+    """(2,) see response.Stage."""
+    last: FloatArray
+    """(N, 2) inputs of the last plan [m/s, rad/s]."""
+    work: FloatArray
+    """(N + 1, WORK_COLUMNS) scratch."""
+
+
+def _planner_of(flat: FloatArray, steps: int) -> Planner:
+    """The planner that lies in one array, as views of it: compiled code takes that array."""
+    return Planner(
+        shaped(flat, 0, (10,)),
+        shaped(flat, 10, (2,)),
+        shaped(flat, 12, (2,)),
+        shaped(flat, 14, (steps, 2)),
+        shaped(flat, 14 + 2 * steps, (steps + 1, WORK_COLUMNS)),
+    )
+
+
+planner_of = kernel(_planner_of)
+
+
+def planner(constants: tuple[float, ...], costs: tuple[float, float], limits: FloatArray, steps: int) -> FloatArray:
+    """A planner that has not planned yet; constants WEIGHT to STRIDE, the rest as in Planner."""
+    flat = np.zeros(14 + 2 * steps + (steps + 1) * WORK_COLUMNS)
+    flat[:14] = *constants, 0.0, *costs, *limits
+    return flat
 
 
 @kernel
@@ -89,84 +134,139 @@ def _held(nominal: FloatArray, limits: FloatArray, inputs: FloatArray, motion: F
 
 
 @kernel_for(
-    several(FLAG, REAL, FLAG, WHOLE),
-    *(VECTOR_OUT, WHOLE_VECTOR_OUT, TABLE, TABLE, VECTOR, VECTOR, VECTOR),
-    *(REAL, VECTOR, MATRIX, VECTOR) * 2,
-    *(REAL, VECTOR_OUT, VECTOR_OUT, REAL, REAL, REAL, REAL, FLAG, MATRIX),
-    *(MATRIX_OUT, MATRIX_OUT, MATRIX_OUT, MATRIX_OUT),
+    several(FLAG, REAL, REAL, FLAG, FLAG, REAL, FLAG, WHOLE),
+    *(VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, TABLE, TABLE, REAL, REAL, REAL),
+    *(FLAG, FLAG, WHOLE, TABLE, TABLE, WHOLE, REAL),
+    *(WHOLE, VECTOR, VECTOR, VECTOR, MATRIX, WHOLE, REAL, REAL, REAL, REAL),
+    *(VECTOR, MATRIX, VECTOR, MATRIX, REAL, FLAG, FLAG, FLAG) * 2,
+    *(TABLE_OUT, MATRIX_OUT),
 )
 def plan_response(
     real: FloatArray,
     whole: IntArray,
-    slots: FloatArray,
-    inputs: FloatArray,
+    own_planner: FloatArray,
+    ahead_slots: FloatArray,
+    ahead_inputs: FloatArray,
+    row: float,
+    lag: float,
+    pace: float,
+    attends: bool,
+    waiting: bool,
+    robot: int,
+    table_slots: FloatArray,
+    table_inputs: FloatArray,
+    first: int,
+    at: float,
+    k: int,
     pose: FloatArray,
     speed: FloatArray,
     disturbance: FloatArray,
-    up_edge: float,
+    covariance: FloatArray,
+    rejected: int,
+    gap: float,
+    alarm_age: float,
+    keep: float,
+    blend: float,
     up_pose: FloatArray,
     up_inputs: FloatArray,
     up_drift: FloatArray,
-    down_edge: float,
+    up_news: FloatArray,
+    up_age: float,
+    up_seen: bool,
+    up_trusted: bool,
+    up_waits: bool,
     down_pose: FloatArray,
     down_inputs: FloatArray,
     down_drift: FloatArray,
-    place: float,
-    costs: FloatArray,
-    limits: FloatArray,
-    keep: float,
-    blend: float,
-    interval: float,
-    moved_on: float,
-    begun: bool,
-    last: FloatArray,
-    work: FloatArray,
+    down_news: FloatArray,
+    down_age: float,
+    down_seen: bool,
+    down_trusted: bool,
+    down_waits: bool,
     out: FloatArray,
-    motion: FloatArray,
     news: FloatArray,
-) -> tuple[bool, float, bool, int]:
+) -> tuple[bool, float, float, bool, bool, float, bool, int]:
     """The plan of one robot.
 
     Args:
         real, whole: its waiting, see waiting_state.FlatWait; changed.
-        slots, inputs: (N + 1, 4, 3), (N, 4, 2) the reference over the horizon, see controllers.task.HorizonReference.
+        own_planner: see Planner; changed.
+        ahead_slots, ahead_inputs, row: tables (T, 4, 3), (T, 4, 2) of the reference and where the horizon begins in
+            them, see unicycle.sample; columns as in controllers.task.HorizonReference.
+        lag, pace: of the reference time over the horizon [s].
+        attends: whether it decides on waiting first. If that changes lag or pace, nothing is planned: call again with
+            another reference, and what this call says of waiting.
+        waiting: if it does not: whether anybody waits.
+        robot, table_slots, table_inputs, first, at: see attend.attend.
+        k: where the plan begins [ticks].
         pose: (3,) where the plan begins.
         speed: (2,) of the wheels there [m/s, rad/s].
         disturbance: (3,) d_v, d_l, d_w [m/s, m/s, rad/s].
-        up_edge: weight of the edge to the upstream neighbour [1/m2]; 0 for none.
-        up_pose, up_inputs, up_drift: (3,), (N, 2), (2,) of that neighbour, see errors_along.
-        down_edge, down_pose, down_inputs, down_drift: the same of the downstream neighbour.
-        place: weight of the own slot [1/m2].
-        costs, limits: (2,) see response.Stage.
+        covariance, rejected, gap: see attend.attend.
+        alarm_age: since the last detection of a disturbance of the own robot [s].
         keep, blend: see response.Lag.
-        interval: Delta_T [s].
-        moved_on: time from one plan to the next [s].
-        begun: whether there is a last plan.
-        last: (N, 2) its inputs.
-        work: (N + 1, WORK_COLUMNS) scratch.
-        out: (N, 2), result: inputs to command.
-        motion: (N, 2), result: mean body velocities for the plan, no faster than the robot got lately while it waits.
+        up_pose, up_inputs, up_drift: (3,), (N, 2), (2,) of the upstream neighbour, see errors_along.
+        up_news, up_waits: of its plan: what it knows of waiting, and whether a fresh one says that the robot waits.
+        up_age, up_seen, up_trusted: see attend.trust_in; and whether an edge to it means something.
+        down_pose, ...: the same of the downstream neighbour.
+        out: (2, N, 2), result: inputs to command, and mean body velocities for the plan, no faster than the robot got
+            lately while it waits.
         news: (n, 4), result: see waiting.known.
 
     Returns:
-        Whether the step succeeded (else the last plan is held); rate and flag of the own waiting; how many rows of
-        `news` are used.
+        Whether it has planned; lag [s] and pace; whether anybody waits. If it has planned: whether the step succeeded
+        (else the last plan is held); rate and flag of the own waiting; how many rows of `news` are used.
     """
-    steps = len(inputs)
+    steps = out.shape[1]
+    wait, plans = wait_of(real, whole), planner_of(own_planner, steps)
+    constants, interval = plans.constants, plans.constants[INTERVAL]
+    if attends:
+        waiting = attend(
+            wait,
+            robot,
+            float(k),
+            pose,
+            covariance,
+            disturbance,
+            rejected,
+            gap,
+            table_slots,
+            table_inputs,
+            first,
+            at,
+            up_news,
+            down_news,
+            up_waits or down_waits,
+            constants[SPACING],
+            plans.limits[0],
+            constants[STEP],
+            constants[TICK],
+            interval,
+        )
+        if wait.real[LAG] != lag or wait.real[PACE] != pace:
+            return False, wait.real[LAG], wait.real[PACE], waiting, False, 0.0, False, 0
+    heard, time = constants[SOURCES] > 0.0, constants[TRUST_TIME]
+    f = trust_in(up_age if heard else math.inf, up_seen, time, alarm_age, waiting) if up_trusted else 0.0
+    g = trust_in(down_age if heard else math.inf, down_seen, time, alarm_age, waiting) if down_trusted else 0.0
+    sources = max(constants[SOURCES], 1.0)
+    trust = f / sources + g / sources
+    place = constants[WEIGHT] * (SHARED + (1.0 - trust) * (1.0 - SHARED)) / constants[SQUARE]
+    slots, inputs = np.empty((steps + 1, 4, 3)), np.empty((steps, 4, 2))
+    sample(ahead_slots, ahead_inputs, row, constants[STRIDE], pace, slots, inputs)
     own, targets, nominal = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 2))
     for j in range(steps + 1):
         own[j, 0], own[j, 1], own[j, 2] = slots[j, OWN, 0], slots[j, OWN, 1], slots[j, OWN, 2]
     for j in range(steps):
         for c in range(2):
             targets[j, c] = nominal[j, c] = inputs[j, OWN, c]
-    if begun:
-        shift(last, moved_on, interval, targets, nominal)
+    if constants[BEGUN] == 1.0:
+        shift(plans.last, constants[STEP], interval, targets, nominal)
     direction, error = np.zeros((2, steps + 1, 2)), np.zeros((2, steps + 1))
     edge, drift, start = np.empty(2), np.empty(2), np.empty(5)
-    edge[0], edge[1] = up_edge, down_edge
-    if up_edge > 0.0:
+    edge[0], edge[1] = f * constants[WEIGHT] / constants[SQUARE], g * constants[WEIGHT] / constants[SQUARE]
+    if edge[0] > 0.0:
         errors_along(up_pose, up_inputs, up_drift, slots[:, UPSTREAM], own, interval, direction[0], error[0])
-    if down_edge > 0.0:
+    if edge[1] > 0.0:
         errors_along(down_pose, down_inputs, down_drift, slots[:, DOWNSTREAM], own, interval, direction[1], error[1])
     lateral, theta = disturbance[1], pose[2]
     drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
@@ -174,12 +274,16 @@ def plan_response(
         _turned(own, targets, lateral)
     start[0], start[1], start[2] = pose[0], pose[1], pose[2]
     start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
-    goals, stage = Targets(own, targets, direction, error, drift), Stage(place, edge, 1.0, costs, limits)
-    change = respond(start, nominal, goals, stage, Lag(keep, blend), interval, work, out, motion)
+    goals, stage = Targets(own, targets, direction, error, drift), Stage(place, edge, 1.0, plans.costs, plans.limits)
+    commanded, motion = out[0], out[1]
+    change = respond(start, nominal, goals, stage, Lag(keep, blend), interval, plans.work, commanded, motion)
     converged = math.isfinite(change)
     if not converged:
-        _held(nominal, limits, out, motion)
-    wait = wait_of(real, whole)
+        _held(nominal, plans.limits, commanded, motion)
+    for j in range(steps):
+        for c in range(2):
+            plans.last[j, c] = commanded[j, c]
+    constants[BEGUN] = 1.0
     remember(wait, pose, motion, drift)
     honest(wait, motion)
-    return converged, wait.real[RATE], wait.whole[WAITS] == 1, known(wait, news)
+    return True, lag, pace, waiting, converged, wait.real[RATE], wait.whole[WAITS] == 1, known(wait, news)

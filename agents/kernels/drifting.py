@@ -2,8 +2,22 @@
 
 import math
 
-from agents.kernels.jit import MATRIX, MATRIX_OUT, NOTHING, REAL, STRIDED, VECTOR, VECTOR_OUT, kernel, kernel_for
-from agents.kernels.unicycle import shift, step
+import numpy as np
+
+from agents.kernels.jit import (
+    MATRIX,
+    MATRIX_OUT,
+    NOTHING,
+    REAL,
+    STRIDED,
+    TABLE,
+    VECTOR,
+    VECTOR_OUT,
+    WHOLE,
+    kernel,
+    kernel_for,
+)
+from agents.kernels.unicycle import sample_inputs, shift, step
 from formation.arrays import FloatArray
 
 
@@ -67,6 +81,36 @@ def carry(
     """
     age_drifting(pose, inputs, drift, elapsed, interval, out)
     shift(inputs, max(elapsed, 0.0), interval, tail, out_inputs)
+
+
+@kernel_for(
+    NOTHING, *(VECTOR, MATRIX, VECTOR, REAL, REAL), *(TABLE, REAL, REAL, REAL, WHOLE), *(VECTOR_OUT, MATRIX_OUT)
+)
+def carry_along(
+    pose: FloatArray,
+    inputs: FloatArray,
+    drift: FloatArray,
+    elapsed: float,
+    interval: float,
+    table: FloatArray,
+    row: float,
+    stride: float,
+    pace: float,
+    column: int,
+    out: FloatArray,
+    out_inputs: FloatArray,
+) -> None:
+    """`carry`, with the tail from the reference.
+
+    Args:
+        pose, inputs, drift, elapsed, interval: see `age_drifting`.
+        table, row, stride, pace: inputs (T, n, 2) of the reference, see unicycle.sample.
+        column: of the neighbour.
+        out, out_inputs: results.
+    """
+    tail = np.empty((len(out_inputs), 2))
+    sample_inputs(table, row, stride, pace, column, tail)
+    carry(pose, inputs, drift, elapsed, interval, tail, out, out_inputs)
 
 
 @kernel

@@ -108,6 +108,14 @@ def shift(inputs: FloatArray, elapsed: float, interval: float, tail: FloatArray,
             out[j, c] = (1.0 - part) * now + part * later
 
 
+@kernel
+def _input(inputs: FloatArray, k: int, part: float, i: int, c: int) -> float:
+    """Column c of input i of a table (T, n, 2), `part` of the way from row k to the next."""
+    if part < 1e-9:
+        return float(inputs[k, i, c])
+    return float((1.0 - part) * inputs[k, i, c] + part * inputs[k + 1, i, c])
+
+
 @kernel_for(NOTHING, TABLE, TABLE, REAL, REAL, REAL, TABLE_OUT, TABLE_OUT)
 def sample(
     slots: FloatArray,
@@ -142,10 +150,18 @@ def sample(
                 out_slots[j, i, 2] = slots[k, i, 2] + part * wrap(slots[k + 1, i, 2] - slots[k, i, 2])
             if j < len(out_inputs):
                 for c in range(2):
-                    mean = (
-                        inputs[k, i, c] if part < 1e-9 else (1.0 - part) * inputs[k, i, c] + part * inputs[k + 1, i, c]
-                    )
-                    out_inputs[j, i, c] = pace * mean
+                    out_inputs[j, i, c] = pace * _input(inputs, k, part, i, c)
+
+
+@kernel
+def sample_inputs(inputs: FloatArray, row: float, stride: float, pace: float, column: int, out: FloatArray) -> None:
+    """The inputs, out (N, 2), that `sample` gives of one column."""
+    for j in range(len(out)):
+        at = row + j * stride * pace
+        k = min(int(at + 1e-9), len(inputs) - 2)
+        part = max(at - k, 0.0)
+        for c in range(2):
+            out[j, c] = pace * _input(inputs, k, part, column, c)
 
 
 @kernel_for(NOTHING, VECTOR, STRIDED, REAL, REAL, VECTOR_OUT)

@@ -18,22 +18,42 @@ from agents.kernels.jit import (
     WHOLE_VECTOR_OUT,
     kernel,
     kernel_for,
+    several,
 )
 from agents.kernels.learning import learn, motors_of
 from agents.kernels.window.filter import Heard, Table, hear, newest_rows, update
 from agents.kernels.window.look_ahead import look_ahead, neighbour_ahead
-from agents.kernels.window.state import DL, LENGTH, tuning_of, window_of
+from agents.kernels.window.state import DL, LENGTH, Window, tuning_of, window_of
 from formation.arrays import FloatArray, IntArray
 
 POSE, SPEED, TWIST, INPUT_DISTURBANCE, DRIFT = slice(0, 3), slice(3, 5), slice(5, 7), slice(7, 9), slice(9, 11)
 DISTURBANCE, COVARIANCE = slice(11, 14), slice(14, 23)
 NEIGHBOUR, NEIGHBOUR_DRIFT = slice(23, 26), slice(26, 28)
-REJECTED, ALARM, RESULTS = 28, 29, 30
-"""Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen, and the
-stamp of the newest own alarm [ticks]. RESULTS is their number."""
+RESULTS = 28
+"""Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen. RESULTS
+is their number."""
 
 
-@kernel_for(FLAG, VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, WHOLE, VECTOR, VECTOR, REAL, FLAG)
+@kernel
+def _sense(w: Window, tick: int, located: bool, pose: FloatArray, related: bool, relative: FloatArray) -> None:
+    row = tick % LENGTH
+    if tick < w.until[0] - LENGTH:
+        return
+    if located and tick >= w.localised_at[0, row]:
+        w.localised[0, row] = pose
+        w.localised_at[0, row] = tick
+        w.newest[0] = max(w.newest[0], tick)
+    if related and tick >= w.related_at[0, row]:
+        w.related[0, row] = relative
+        w.related_at[0, row] = tick
+        w.newest[0] = max(w.newest[0], tick)
+
+
+@kernel_for(
+    FLAG,
+    *(VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, WHOLE, VECTOR, VECTOR, REAL, FLAG),
+    *(WHOLE, FLAG, VECTOR, FLAG, VECTOR),
+)
 def roll(
     real: FloatArray,
     whole: IntArray,
@@ -43,8 +63,13 @@ def roll(
     after: FloatArray,
     dt: float,
     learns: bool,
+    tick: int,
+    located: bool,
+    pose: FloatArray,
+    related: bool,
+    relative: FloatArray,
 ) -> bool:
-    """Take the own odometry of tick k - 1, which has just ended.
+    """Take the own odometry of tick k - 1, which has just ended, and then a measurement.
 
     Args:
         real, whole: the window, changed.
@@ -53,6 +78,7 @@ def roll(
         before, after: (2,) wheel speeds of tick k - 2 and k - 1 [m/s, rad/s].
         dt: [s].
         learns: whether delay and lag are learnt from it.
+        tick, located, pose, related, relative: see sense; neither located nor related: there is no measurement.
 
     Returns:
         Whether the motors' model changed.
@@ -63,6 +89,7 @@ def roll(
         w.odometry[0, row, c] = after[c]
         w.sums[0, c] += after[c] * dt
     w.until[0] = k
+    _sense(w, tick, located, pose, related, relative)
     return learns and learn(motors_of(motors), k - 1, before, after, dt)
 
 
@@ -80,18 +107,7 @@ def sense(
 
     What is older than another measurement of its row changes nothing.
     """
-    w = window_of(real, whole)
-    row = tick % LENGTH
-    if tick < w.until[0] - LENGTH:
-        return
-    if located and tick >= w.localised_at[0, row]:
-        w.localised[0, row] = pose
-        w.localised_at[0, row] = tick
-        w.newest[0] = max(w.newest[0], tick)
-    if related and tick >= w.related_at[0, row]:
-        w.related[0, row] = relative
-        w.related_at[0, row] = tick
-        w.newest[0] = max(w.newest[0], tick)
+    _sense(window_of(real, whole), tick, located, pose, related, relative)
 
 
 @kernel_for(NOTHING, VECTOR_OUT, WHOLE_VECTOR_OUT, MATRIX, MATRIX, REAL)
@@ -107,7 +123,7 @@ def _drift(lateral: float, pose: FloatArray, out: FloatArray) -> None:
 
 
 @kernel_for(
-    WHOLE,
+    several(WHOLE, WHOLE, WHOLE),
     VECTOR_OUT,
     WHOLE_VECTOR_OUT,
     VECTOR_OUT,
@@ -144,7 +160,7 @@ def estimate(
     out: FloatArray,
     odometry: FloatArray,
     rows: FloatArray,
-) -> int:
+) -> tuple[int, int, int]:
     """Take in all that has arrived; the robot, and its neighbour if it is seen, where a plan made at tick k begins.
 
     Args:
@@ -166,7 +182,7 @@ def estimate(
         rows: (H * KEPT, COLUMNS), result: what Plan.measurements carries.
 
     Returns:
-        How many of `rows` are used.
+        How many of `rows` are used; localisations rejected in a row; stamp of the newest own alarm [ticks].
     """
     w, q = window_of(real, whole), tuning_of(tuning)
     dt = q.dt
@@ -186,7 +202,6 @@ def estimate(
     for a in range(3):
         for b in range(3):
             out[COVARIANCE.start + 3 * a + b] = cov[a, b]
-    out[REJECTED], out[ALARM] = w.copy_rejected[0, 0], w.alarm[0]
     if len(w.until) > 1:
         neighbour_ahead(w, k + delay, table, plan, dt, out[NEIGHBOUR])
         _drift(w.copy_mean[1, DL], out[NEIGHBOUR], out[NEIGHBOUR_DRIFT])
@@ -198,4 +213,4 @@ def estimate(
             w.until[h],
             w.sums[h, 2],
         )
-    return int(newest_rows(w, hops, rows))
+    return newest_rows(w, hops, rows), w.copy_rejected[0, 0], w.alarm[0]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from agents.kernels import paper_errors
 from formation.arrays import FloatArray
-from formation.metrics import error_state, pattern_errors, tracking_error, wrapped
+from formation.metrics import error_state, pattern_errors, quantile, quantiles, tracking_error, wrapped
 from formation.pattern import pattern, rotate
 from formation.shapes import SHAPES, line, polygon
 
@@ -165,3 +165,9 @@ def test_many_times_are_measured_at_once_as_one_by_one() -> None:
         np.testing.assert_array_equal(one[0], distance[k])
         np.testing.assert_array_equal(one[1], angle[k])
         assert tracking_error(poses[k], centre[k]) == tracking[k]
+
+
+@given(st.lists(st.floats(0.0, 1.0) | st.just(math.nan), max_size=30))
+def test_quantiles_are_those_that_one_gets_one_by_one(values: list[float]) -> None:
+    shares = (0.25, 0.5, 0.95, 1.0)
+    assert quantiles(np.array(values), *shares) == [quantile(np.array(values), share) for share in shares]

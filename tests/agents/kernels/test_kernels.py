@@ -159,6 +159,22 @@ def test_a_belief_ages_with_both() -> None:
     assert belief.aged(1.0 + N * DT, slot, tail).pose is slot  # past its end it is in its slot again
 
 
+@pytest.mark.parametrize(("lag", "pace"), [(0.0, 1.0), (0.0, 0.7), (0.013, 1.0), (0.2, 1.3)])
+def test_a_neighbour_is_carried_along_the_reference_as_with_the_tail_that_this_gives(lag: float, pace: float) -> None:
+    task, belief = Task(load("ring-16"), 3), Belief()
+    task.lag, task.pace = lag, pace
+    for at, k, plan in ((0.3, 30, None), (1.25, 125, 1.0), (1.25, 125, 1.3), (3.5, 350, 1.0)):
+        if plan is not None:
+            belief.plan = Plan(2, 100, plan, 0, np.array([1.0, 2.0, 0.3]), DT, table(5), drift=np.array([0.01, 0.0]))
+        for column in (1, 3):
+            found, expected = belief.ahead(at, k, task, column), belief.aged(at, *task.slot(k, column))
+            assert (found.pose.tobytes(), found.inputs.tobytes()) == (
+                expected.pose.tobytes(),
+                expected.inputs.tobytes(),
+            )
+            assert (found.plan, found.age) == (expected.plan, expected.age)
+
+
 def test_a_belief_takes_the_latest_stamp_and_counts_what_is_older() -> None:
     belief = Belief()
     for stamp, late in ((1.0, 0), (1.2, 0), (1.1, 1), (1.2, 2), (1.3, 2)):

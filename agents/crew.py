@@ -10,7 +10,7 @@ from agents.node import ASK_SECONDS, AgentNode
 from agents.states import State
 from formation.errors import WireError
 from network import topics
-from network.bus import Action, Ask, Incoming, Publish, Read, Response, Sample, Subscribe, Unsubscribe
+from network.bus import Action, Announce, Ask, Incoming, Publish, Read, Response, Sample, Subscribe, Unsubscribe
 from network.codec import decode
 from network.messages import Plan, Tick
 from network.requests import Setup
@@ -99,6 +99,8 @@ class Crew:
                 self._hearers[key].discard(robot)
                 if key in self._here or self._hearers[key]:
                     return
+            case Announce(key, reliable):
+                action = Announce(key, reliable, packed=True)  # what all of them say at a tick goes out at once
             case Ask():
                 if now < self._ask_at:
                     return  # the answer to another one is for all

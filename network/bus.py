@@ -115,6 +115,8 @@ class Announce(NamedTuple):
 
     key: str
     reliable: bool
+    packed: bool = False
+    """As in `Bus.announce`."""
 
 
 class Appear(NamedTuple):
@@ -186,12 +188,13 @@ class Bus(Protocol):
     def keep(self, key: str, depth: int) -> Kept:
         """Samples on this key expression are kept outside the inbox from now on, the newest `depth` of them."""
 
-    def announce(self, key: str, *, reliable: bool = False) -> None:
+    def announce(self, key: str, *, reliable: bool = False, packed: bool = False) -> None:
         """Prepare to publish on `key`, so that the first message finds its subscribers.
 
         Args:
             key: a key without wildcards.
             reliable: wait for a slow subscriber rather than drop.
+            packed: its messages may share a packet with what is published just before and after them.
         """
 
     def publish(self, key: str, message: Message) -> None:
@@ -282,8 +285,8 @@ def perform(bus: Bus, actions: Iterable[Action], log: ThrottledLog) -> None:
                 bus.subscribe(key)
             case Unsubscribe(key):
                 bus.unsubscribe(key)
-            case Announce(key, reliable):
-                bus.announce(key, reliable=reliable)
+            case Announce(key, reliable, packed):
+                bus.announce(key, reliable=reliable, packed=packed)
             case Appear(role, number):
                 bus.appear(role, number)
             case Reject(key, reason):

@@ -153,7 +153,7 @@ class MemoryBus(Bus):
         self._kept.append((key, kept))
         return kept
 
-    def announce(self, key: str, *, reliable: bool = False) -> None:
+    def announce(self, key: str, *, reliable: bool = False, packed: bool = False) -> None:
         self._announced.add(key)
 
     def publish(self, key: str, message: Message) -> None:

@@ -150,13 +150,13 @@ class ZenohBus(Bus):
     def unsubscribe(self, key: str) -> None:
         self._subscribers.pop(key).undeclare()  # type: ignore[no-untyped-call]
 
-    def announce(self, key: str, *, reliable: bool = False) -> None:
+    def announce(self, key: str, *, reliable: bool = False, packed: bool = False) -> None:
         self._publishers[key] = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.BLOCK if reliable else zenoh.CongestionControl.DROP,
             priority=zenoh.Priority.REAL_TIME if reliable else zenoh.Priority.DATA,
             reliability=zenoh.Reliability.RELIABLE if reliable else zenoh.Reliability.BEST_EFFORT,
-            express=True,
+            express=not packed,  # else each message is a packet: a write, and for each receiver a read
         )
 
     def publish(self, key: str, message: Message) -> None:

@@ -97,3 +97,40 @@ def test_python_keeps_its_state_of_the_thread_that_receives(
     while len(counts) < 20 and time.monotonic() < end:
         time.sleep(0.01)
     assert max(counts) > 10, "a thread that is forgotten counts from 1"
+
+
+def test_what_is_packed_arrives_as_it_would_alone(pair: tuple[ZenohBus, ZenohBus]) -> None:
+    """Bursts of several senders' messages, of all sizes: each whole, once, in the order of its key."""
+    sender, listener = pair
+    keys = [topics.command("x", robot) for robot in range(1, 17)]
+    for reliable in (True, False):
+        run = 100 * reliable
+        for key in keys:
+            sender.announce(key, reliable=reliable, packed=True)
+        kept = [listener.keep(key, 1000) for key in keys]
+        time.sleep(0.5)
+        for seq in range(30):
+            for robot, key in enumerate(keys, 1):
+                failure = "x" * (17 * seq * robot % 4000)
+                sender.publish(key, Command(robot, run + seq, 0.0, 0, 0.1, 0.2, 0.0, False, 0.0, failure=failure))
+            time.sleep(0.002)
+        for robot, one in enumerate(kept, 1):
+            found = [decode(Command, sample.payload) for sample in heard(one, 30)]
+            assert [message.seq for message in found] == list(range(run, run + 30))
+            assert {message.sender for message in found} == {robot}
+            assert [len(message.failure) for message in found] == [17 * seq * robot % 4000 for seq in range(30)]
+
+
+def test_what_is_packed_does_not_wait_for_more(pair: tuple[ZenohBus, ZenohBus]) -> None:
+    """It goes out at once if nothing else does; within a second, where the machine has other work."""
+    sender, listener = pair
+    listener.subscribe(topics.command("x", 1))
+    sender.announce(topics.command("x", 1), reliable=True, packed=True)
+    time.sleep(0.5)
+    ways = []
+    for seq in range(20):
+        began = time.monotonic()
+        say(sender, range(seq, seq + 1))
+        assert listener.arrivals(20.0)
+        ways.append(time.monotonic() - began)
+    assert sorted(ways)[10] < 0.05

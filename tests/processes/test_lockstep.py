@@ -58,13 +58,27 @@ GARBAGE = int(os.environ.get("ECHELON_GARBAGE", "300"))
 
 
 def simulate(
-    name: str, settings: list[str], *, order: int = 0, disturb: Any = None, settle: Any = None, several: bool = False
+    name: str,
+    settings: list[str],
+    *,
+    order: int = 0,
+    disturb: Any = None,
+    settle: Any = None,
+    several: bool = False,
+    crew: int = 1,
 ) -> dict[str, Any]:
     """One episode as processes, started in an order drawn from `order`."""
     scenario = load(name, settings)
     with Claim("lockstep") as claim:
         plan = RunPlan(
-            "lockstep", name, claim.endpoint, (claim.endpoint,), from_settings(settings), speed=0.0, paused=True
+            "lockstep",
+            name,
+            claim.endpoint,
+            (claim.endpoint,),
+            from_settings(settings),
+            speed=0.0,
+            paused=True,
+            together=crew,
         )
         found = programs(plan, scenario)
         if several:
@@ -114,6 +128,22 @@ def test_agents_of_one_command_are_those_of_three() -> None:
     name, settings = "triangle-circle", ["faults=[{preset='bursty'}]", "duration=5"]
     alone = inprocess.simulate(load(name, settings))
     assert simulate(name, settings, several=True)["trajectory_sha256"] == alone["trajectory_sha256"]
+
+
+def test_crews_give_the_trajectory_of_one_process_in_any_start_order_on_a_loaded_machine() -> None:
+    name, settings = "ring-16", ["link.loss=0.2", "duration=1"]
+    alone = inprocess.simulate(load(name, settings))
+    burners = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(3)]
+    try:
+        for order, crew in ((1, 8), (2, 5)):
+            together = simulate(name, settings, order=order, crew=crew)
+            assert together["trajectory_sha256"] == alone["trajectory_sha256"]
+            lost = ({link: f["lost"] for link, f in one["links"].items()} for one in (together, alone))
+            assert next(lost) == next(lost)
+    finally:
+        for burner in burners:
+            burner.kill()
+            burner.wait()
 
 
 def test_a_loaded_machine_changes_nothing() -> None:

@@ -12,7 +12,7 @@ from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
 from agents.driver_receiver import DriverReceiver
-from agents.estimator import STILL, Estimate, Estimator, LatestPose, Measurement, measured
+from agents.estimator import NONE, STILL, Estimate, Estimator, LatestPose, Measurement, measured
 from agents.motor_model import MotorModel, within
 from agents.plan_receiver import PlanReceiver
 from agents.sending import Answer, Sending
@@ -201,7 +201,7 @@ class Agent:
             self._sighted(aged) if estimator.sees else aged,
             other,
             own.speed,
-            own.disturbance,
+            own.disturbance if self._compensates else NONE,
             own.covariance,
             own.alarm_age,
             own.rejected,
@@ -209,6 +209,7 @@ class Agent:
             motors.lag,
             self._avoidance.take(),
             task.lost(at),
+            own.drift_sigma if self._compensates else 0.0,
         )
         solution = self._controller.plan(observation)
         less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)

@@ -59,6 +59,8 @@ class Estimate(NamedTuple):
     """(2,) what of the disturbance a command can make good: of v and omega [m/s, rad/s]."""
     drift: FloatArray
     """(2,) what it cannot, the lateral part in the world frame [m/s]."""
+    drift_sigma: float
+    """Standard deviation of the lateral part [m/s]."""
 
 
 class Estimator(Protocol):
@@ -152,7 +154,7 @@ class LatestPose:
                 v, omega = self._odometry[t % LENGTH]
                 x, y, theta = unicycle.step(x, y, theta, v, omega, self._dt)
             pose = np.array([x, y, theta])
-        return Estimate(pose, self._speed, self._speed, NONE, CERTAIN, 0, math.inf, STILL, STILL)
+        return Estimate(pose, self._speed, self._speed, NONE, CERTAIN, 0, math.inf, STILL, STILL, 0.0)
 
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""

@@ -11,6 +11,7 @@ from agents.kernels.window.estimation import (
     COVARIANCE,
     DISTURBANCE,
     DRIFT,
+    DRIFT_SIGMA,
     INPUT_DISTURBANCE,
     NEIGHBOUR,
     NEIGHBOUR_DRIFT,
@@ -183,6 +184,7 @@ class WindowEstimator:
             (k - self._late - alarm) * self._dt,
             out[INPUT_DISTURBANCE],
             out[DRIFT],
+            float(out[DRIFT_SIGMA]),
         )
 
     def neighbour(self) -> tuple[FloatArray, FloatArray]:

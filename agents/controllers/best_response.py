@@ -22,9 +22,13 @@ from agents.kernels import waiting_state
 from agents.kernels.best_response import plan_response, planner
 from agents.kernels.response import lag_of
 from agents.kernels.waiting import FRESH
+from agents.kernels.window.state import LEVELS
 from formation.arrays import FloatArray
 
 NOTHING_NEW: FloatArray = np.zeros((0, 4))
+NOISE, MOST_NOISE = 4.0, 0.25 * LEVELS[1]
+"""Noise of an estimated drift across the heading: so many standard deviations, but at most so much [m/s], since these are
+large just after the filter has detected a disturbance, when the drift is to be believed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +89,7 @@ class BestResponse:
         self, observation: Observation, out: FloatArray, news: FloatArray, *, attends: bool, waits: bool
     ) -> tuple[bool, float, float, bool, bool, float, bool, int]:
         """The plan as plan_response makes it, or no plan but another lag and pace."""
-        k, pose, up, down, speed, disturbance, covariance, alarm_age, rejected, gap, lag, _, lost, _, _ = observation
+        k, pose, up, down, speed, disturbance, covariance, alarm_age, rejected, gap, lag, _, lost, sigma, _, _ = observation
         task, at, (real, whole) = self._task, 0.0, self._memory
         block, row = task.begin(k)
         table_slots, table_inputs, first = block.slots, block.inputs, block.first
@@ -121,6 +125,7 @@ class BestResponse:
             pose,
             speed,
             disturbance,
+            min(NOISE * sigma, MOST_NOISE),
             covariance,
             rejected,
             gap,

@@ -76,6 +76,8 @@ class Observation(NamedTuple):
     """(2,) mean speeds since the last plan that the last filter allowed, if it changed a command [m/s, rad/s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
+    drift_sigma: float = 0.0
+    """Standard deviation of the lateral part of the disturbance [m/s]."""
     limits: FloatArray = STILL
     """(2,) largest |v| and |omega| [m/s, rad/s]; given to controllers of users' own."""
     reference: Horizon | None = None

@@ -116,6 +116,13 @@ def errors_along(
 
 
 @kernel
+def believed(lateral: float, noise: float) -> float:
+    """What is believed of an estimated lateral drift: all far above the noise, half at it, little below [m/s]."""
+    square = lateral * lateral
+    return lateral * (square / (square + noise * noise)) if square > 0.0 else 0.0
+
+
+@kernel
 def _turned(slots: FloatArray, targets: FloatArray, lateral: float) -> None:
     """Turn the headings of slots (N + 1, 3) against a lateral drift [m/s], so that the robot moves along them."""
     for j in range(len(slots)):
@@ -137,7 +144,7 @@ def _held(nominal: FloatArray, limits: FloatArray, inputs: FloatArray, motion: F
     several(FLAG, REAL, REAL, FLAG, FLAG, REAL, FLAG, WHOLE),
     *(VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, TABLE, TABLE, REAL, REAL, REAL),
     *(FLAG, FLAG, WHOLE, TABLE, TABLE, WHOLE, REAL),
-    *(WHOLE, VECTOR, VECTOR, VECTOR, MATRIX, WHOLE, REAL, REAL, REAL, REAL),
+    *(WHOLE, VECTOR, VECTOR, VECTOR, REAL, MATRIX, WHOLE, REAL, REAL, REAL, REAL),
     *(VECTOR, MATRIX, VECTOR, MATRIX, REAL, FLAG, FLAG, FLAG) * 2,
     *(TABLE_OUT, MATRIX_OUT),
 )
@@ -161,6 +168,7 @@ def plan_response(
     pose: FloatArray,
     speed: FloatArray,
     disturbance: FloatArray,
+    noise: float,
     covariance: FloatArray,
     rejected: int,
     gap: float,
@@ -202,6 +210,7 @@ def plan_response(
         pose: (3,) where the plan begins.
         speed: (2,) of the wheels there [m/s, rad/s].
         disturbance: (3,) d_v, d_l, d_w [m/s, m/s, rad/s].
+        noise: of d_l, see believed [m/s].
         covariance, rejected, gap: see attend.attend.
         alarm_age: since the last detection of a disturbance of the own robot [s].
         keep, blend: see response.Lag.
@@ -268,7 +277,7 @@ def plan_response(
         errors_along(up_pose, up_inputs, up_drift, slots[:, UPSTREAM], own, interval, direction[0], error[0])
     if edge[1] > 0.0:
         errors_along(down_pose, down_inputs, down_drift, slots[:, DOWNSTREAM], own, interval, direction[1], error[1])
-    lateral, theta = disturbance[1], pose[2]
+    lateral, theta = believed(disturbance[1], noise), pose[2]
     drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
     if lateral != 0.0:
         _turned(own, targets, lateral)

@@ -63,6 +63,17 @@ def test_an_agent_uses_nothing_that_is_the_worlds_alone(hears: str) -> None:
     assert not np.array_equal(trajectory(Simulation(replaced)), trajectory(Simulation(honest)))
 
 
+@pytest.mark.parametrize("wished", [True, False])
+def test_a_controller_is_told_of_disturbances_only_where_they_are_wished_for(wished: bool) -> None:
+    pushed = [{"robot": robot, "at": 0.5, "until": 2.0, "drift": [0.01, 0.01, 0.0]} for robot in (1, 2, 3)]
+    keys = {"bodies": "mocap", "duration": 2.0, "disturbances": pushed, "estimator": {"disturbances": wished}}
+    simulation = Simulation(load(SCENARIO, keys))
+    trajectory(simulation)
+    for agent in simulation.agents.values():
+        assert agent.observation is not None
+        assert agent.observation.disturbance.any() == wished
+
+
 def test_an_agent_that_is_copied_goes_on_as_it_would_have() -> None:
     scenario: Scenario = load(SCENARIO, CAMERA)
     whole = Simulation(scenario)

@@ -29,9 +29,9 @@ from formation.arrays import FloatArray, IntArray
 POSE, SPEED, TWIST, INPUT_DISTURBANCE, DRIFT = slice(0, 3), slice(3, 5), slice(5, 7), slice(7, 9), slice(9, 11)
 DISTURBANCE, COVARIANCE = slice(11, 14), slice(14, 23)
 NEIGHBOUR, NEIGHBOUR_DRIFT = slice(23, 26), slice(26, 28)
-RESULTS = 28
-"""Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen. RESULTS
-is their number."""
+DRIFT_SIGMA, RESULTS = 28, 29
+"""Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen, and the
+standard deviation of the own d_l [m/s]. RESULTS is their number."""
 
 
 @kernel
@@ -202,6 +202,7 @@ def estimate(
     for a in range(3):
         for b in range(3):
             out[COVARIANCE.start + 3 * a + b] = cov[a, b]
+    out[DRIFT_SIGMA] = math.sqrt(max(cov[DL, DL], 0.0))
     if len(w.until) > 1:
         neighbour_ahead(w, k + delay, table, plan, dt, out[NEIGHBOUR])
         _drift(w.copy_mean[1, DL], out[NEIGHBOUR], out[NEIGHBOUR_DRIFT])

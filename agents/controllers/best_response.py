@@ -27,8 +27,8 @@ from formation.arrays import FloatArray
 
 NOTHING_NEW: FloatArray = np.zeros((0, 4))
 NOISE, MOST_NOISE = 4.0, 0.25 * LEVELS[1]
-"""Noise of an estimated drift across the heading: so many standard deviations, but at most so much [m/s], since these are
-large just after the filter has detected a disturbance, when the drift is to be believed."""
+"""Noise of an estimated drift across the heading: so many standard deviations, but at most so much [m/s]. Just after
+the filter has detected a disturbance they are large, and then the drift is to be believed."""
 
 
 @dataclass(frozen=True, slots=True)

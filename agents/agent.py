@@ -255,8 +255,7 @@ class Agent:
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""
-        solves, self._solves = self._solves, []
-        sent, asked = self._sending.last, self.observation
+        solves, self._solves, sent, asked = self._solves, [], self._sending.last, self.observation
         return Status(
             sender=self.robot,
             seq=k,

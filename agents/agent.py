@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.avoidance import Avoidance
 from agents.controllers.guarded import ControllerFailedError
-from agents.controllers.interface import Controller, NeighborEstimate, Observation, Solution
+from agents.controllers.interface import NOBODY, Controller, NeighborEstimate, Observation, Solution
 from agents.controllers.pair_game import Game
 from agents.controllers.registry import controller_for
 from agents.controllers.task import Task
@@ -192,9 +192,10 @@ class Agent:
         """Decide what to do, and say it."""
         task, motors, receivers, estimator = self._task, self._motors, self._receivers, self._estimator
         at, delay = k + motors.delay, motors.delay * task.tick
-        begins, belief = stamp + delay, receivers[0].belief
+        begins, belief, avoidance = stamp + delay, receivers[0].belief, self._avoidance
         aged = belief.ahead(begins, at, task, 1) if self._ages else belief.as_if_fresh(*task.slot(at, 1))
         other = receivers[1].belief.ahead(begins, at, task, 3) if len(receivers) > 1 else None
+        less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
         observation = self.observation = Observation(
             at,
             own.pose,
@@ -207,12 +208,12 @@ class Agent:
             own.rejected,
             self._acting - float(self._speed[0]) if k > 0 else 0.0,
             motors.lag,
-            self._avoidance.take(),
+            avoidance.take(),
             task.lost(at),
             own.drift_sigma if self._compensates else 0.0,
+            avoidance.near(k, self._speed, own.pose, less, task.slot(at, 0)[0]) if avoidance.works else NOBODY,
         )
         solution = self._controller.plan(observation)
-        less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
         self._last = (k, solution, own.pose, tuple(less.tolist()))
         lost = task.first_lost if observation.lost else 0
         # By place, in the order of network.messages.Plan: by keywords it takes a microsecond more.

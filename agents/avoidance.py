@@ -1,4 +1,4 @@
-"""The last filter on a command, whatever controller it is from: keep off the bodies in sight (docs/theory.md, 19)."""
+"""Bodies in sight: those that a plan keeps a distance from, and the last filter on a command (docs/theory.md, 19)."""
 
 import math
 from collections.abc import Mapping
@@ -6,7 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from agents.kernels.avoidance import PAST, RESPONSE, keep_off, roll, see
+from agents.kernels.avoidance import RESPONSE, keep_off
+from agents.kernels.separation import astray
+from agents.kernels.sight import BODY, COLUMNS, FAR, MEMORY, PAST, foresee, roll, see
 from agents.motor_model import UNLIMITED, MotorModel
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -19,6 +21,10 @@ YIELDS, INSISTS = 0.010, 0.006
 """Distance of two bodies that the robot with the higher number keeps, and the one with the lower [m]."""
 ORDERLY: Final = 0.25
 """Neither keeps more than this share of the distance that neighbours have in the formation."""
+ROOMY: Final = 0.9
+"""A plan keeps at most this share of it."""
+CROWD: Final = 8
+"""Of the bodies near by a plan counts so many."""
 CHANGES: Final = 0.5
 """How fast others are assumed to change their velocity [m/s2]."""
 LEAST: Final = 0.0003
@@ -50,9 +56,9 @@ class Avoidance:
         sigma = body.relative or 0.0
         radii = np.array(scenario.bodies.radii(n))
         reach = radii + radii[self._row]
-        orderly = np.maximum(ORDERLY * (scenario.spacing - reach), 0.0)
-        margins = np.minimum(np.where(np.arange(n) < self._row, YIELDS, INSISTS), orderly)
-        self._reach = np.stack([reach, margins], axis=1)
+        room = np.maximum(scenario.spacing - reach, 0.0)
+        margins = np.minimum(np.where(np.arange(n) < self._row, YIELDS, INSISTS), ORDERLY * room)
+        self._reach = np.stack([reach, margins, ROOMY * room], axis=1)
         self._law = np.array(
             [
                 limits.v,
@@ -67,9 +73,12 @@ class Avoidance:
                 dt,
             ]
         )
-        self._works = scenario.robots.avoid
-        self._sight = (np.zeros((PAST, 3)), np.zeros((n if self._works else 0, 8)), np.zeros(6))
-        """Own poses, bodies and memory (agents/kernels/avoidance.py)."""
+        self.works = scenario.robots.avoid
+        """Whether it does anything."""
+        self._sight = (np.zeros((PAST, 3)), np.zeros((n if self.works else 0, COLUMNS)), np.zeros(MEMORY))
+        """Own poses, bodies and memory (agents/kernels/sight.py)."""
+        self._near, self._slip = np.zeros((CROWD, BODY)), 0.0
+        self._spacing = scenario.spacing
         self._mine, self._n = np.array([n * self._row, n * robot]), n
         self._link: Link[FloatArray] = Link(scenario.seed, LinkId.poses_to(robot))
         self._command, self._since = np.zeros(3), np.zeros(3)
@@ -83,7 +92,7 @@ class Avoidance:
 
     def look(self, tick: Tick) -> None:
         """Take what is in sight at a tick, and the odometry since the last."""
-        if not self._works:
+        if not self.works:
             return
         k, (v, omega) = tick.seq, tick.odometry[self._row].tolist()
         roll(*self._sight, self._law, k, v, omega)
@@ -105,7 +114,7 @@ class Avoidance:
 
     def filter(self, k: int, wheels: FloatArray, v: float, omega: float) -> tuple[float, float]:
         """The command (v, omega) of tick k [m/s, rad/s], or one that keeps off; wheels (2,) are their speeds now."""
-        if not self._works:
+        if not self.works:
             return v, omega
         motors, command = self._motors, self._command
         command[0] = command[2] = v
@@ -120,6 +129,7 @@ class Avoidance:
             motors.delay,
             motors.lag,
             wheels,
+            self._slip,
             command,
         )
         self._since[0] += command[2]
@@ -130,9 +140,29 @@ class Avoidance:
         self._changed = True
         return float(command[0]), float(command[1])
 
+    def near(self, k: int, wheels: FloatArray, pose: FloatArray, slip: FloatArray, slot: FloatArray) -> FloatArray:
+        """The bodies near by where a plan of tick k begins.
+
+        Args:
+            k: now.
+            wheels: (2,) their speeds now [m/s, rad/s].
+            pose: (3,) of the robot where the plan begins [m, m, rad].
+            slip: (2,) its body velocity beyond the wheels', until the next call [m/s, rad/s].
+            slot: (3,) where the robot belongs there [m, m, rad].
+
+        Returns:
+            (B, BODY) see interface.Observation; valid until the next call.
+        """
+        self._slip = float(slip[0])
+        own, bodies, memory = self._sight
+        memory[FAR] = astray(slot, pose, self._spacing)
+        motors, now = self._motors, (self._law, self._reach, k)
+        wheeled = motors.commands, motors.delay, motors.lag, wheels, self._slip
+        return self._near[: foresee(own, bodies, *now, *wheeled, pose, self._near)]
+
     def take(self) -> FloatArray | None:
         """Mean speeds (2,) that the commands since the last call lead to, if one was changed [m/s, rad/s]."""
-        if not self._works:
+        if not self.works:
             return None
         mean = self._since[:2] / self._since[2] if self._changed else None
         self._since[:] = 0.0

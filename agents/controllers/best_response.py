@@ -89,7 +89,25 @@ class BestResponse:
         self, observation: Observation, out: FloatArray, news: FloatArray, *, attends: bool, waits: bool
     ) -> tuple[bool, float, float, bool, bool, float, bool, int]:
         """The plan as plan_response makes it, or no plan but another lag and pace."""
-        k, pose, up, down, speed, disturbance, covariance, alarm_age, rejected, gap, lag, _, lost, sigma, _, _ = observation
+        (
+            k,
+            pose,
+            up,
+            down,
+            speed,
+            disturbance,
+            covariance,
+            alarm_age,
+            rejected,
+            gap,
+            lag,
+            _,
+            lost,
+            sigma,
+            bodies,
+            _,
+            _,
+        ) = observation
         task, at, (real, whole) = self._task, 0.0, self._memory
         block, row = task.begin(k)
         table_slots, table_inputs, first = block.slots, block.inputs, block.first
@@ -148,6 +166,7 @@ class BestResponse:
             down.seen,
             down_trusted,
             down_waits,
+            bodies,
             out,
             news,
         )

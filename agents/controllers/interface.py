@@ -16,6 +16,7 @@ from network.values import NO_NEWS, STILL, Motion
 
 NONE: FloatArray = frozen(np.zeros(3))
 CERTAIN: FloatArray = frozen(np.zeros((3, 3)))
+NOBODY: FloatArray = frozen(np.zeros((0, 6)))
 
 
 class NeighborEstimate(NamedTuple):
@@ -78,6 +79,9 @@ class Observation(NamedTuple):
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
     drift_sigma: float = 0.0
     """Standard deviation of the lateral part of the disturbance [m/s]."""
+    bodies: FloatArray = NOBODY
+    """(B, 6) the bodies near by, if robots avoid each other: position [m] and velocity [m/s] in the world, sum of both
+    radii, and the distance of the centres to keep [m]."""
     limits: FloatArray = STILL
     """(2,) largest |v| and |omega| [m/s, rad/s]; given to controllers of users' own."""
     reference: Horizon | None = None

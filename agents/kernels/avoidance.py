@@ -1,43 +1,37 @@
-"""Bodies in sight, and the last filter on a command against them (docs/theory.md, section 19)."""
+"""The last filter on a command, against bodies in sight (docs/theory.md, section 19)."""
 
 import math
 
 import numpy as np
 
-from agents.kernels.jit import (
-    MATRIX,
-    MATRIX_OUT,
-    NOTHING,
-    REAL,
-    VECTOR,
-    VECTOR_OUT,
-    WHOLE,
-    kernel,
-    kernel_for,
+from agents.kernels.drifting import between
+from agents.kernels.jit import MATRIX, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
+from agents.kernels.sight import (
+    BLOCKED,
+    DT,
+    DV,
+    FAR,
+    FREE,
+    PAST,
+    ROUND,
+    SIDE,
+    STEER,
+    V_MAX,
+    VX,
+    VY,
+    WHO,
+    ahead,
+    rate_of,
+    seen,
+    toward,
 )
-from agents.kernels.unicycle import step, wrap
+from agents.kernels.unicycle import wrap
 from formation.arrays import FloatArray
 
-PAST = 128
-"""Ticks of own poses that are kept: a sighting may come this late."""
-X, Y, VX, VY, EX, EY, SEEN, COUNT = range(8)
-"""Columns of a body: where it was last seen and its velocity, in a frame that odometry carries [m, m/s]; means of the
-normalised innovations; the tick at which it was seen; and how often since it was lost, 0: not in sight."""
-NEWEST, BLOCKED, SIDE, SPEED, FREE, WHO = range(6)
-"""Of the memory: the newest tick; for how long the robot has been kept off [s]; 1 if it goes round a body on the right,
-seen from the robot, -1 on the left, 0 if it does not; own v [m/s]; for how long no command had to be changed [s];
-the row of the body that was kept off last."""
-V_MAX, OMEGA_MAX, DV, DOMEGA, STEER, ROUND, KEPT, ALPHA, BETA, SIGMA, DT = range(11)
-"""Of the law: limits of |v| and |omega|, largest changes of wheel speeds in a tick, turn rate and speed on the way
-round a body, ticks after which a body that is not seen is forgotten, gains and standard deviation of sightings [m], the
-tick [s]."""
 ASIDE = 0.1
 """A body whose bearing has no larger sine is straight ahead; everybody passes it on the right."""
 RETREAT = 0.05
 """Fastest that a robot backs off from a body that is too close [m/s]."""
-BLEND, SURPRISE, RESTART, BEGIN = 0.25, 1.9, 8, 25
-"""Weight of an innovation in its mean, the mean that is no chance (5 sigma), sightings that are not forgotten then, and
-for how many it counts that a body that comes into sight moves as the robot does."""
 NOT_YET, PATIENCE = 1.5, 2.0
 """For how long a robot is kept off before it goes round, and for how long at most that counts [s]."""
 CLEAR = 0.3
@@ -54,99 +48,18 @@ ROOM, ROOM_TIME = 0.005, 0.2
 """What is kept beyond the margin on the way round [m], and how fast it is restored [s]."""
 TURN = 3.0
 """Turn rate by heading error on the way round [1/s]."""
-
-
-@kernel
-def between(value: float, low: float, high: float) -> float:
-    """Value, held within the bounds."""
-    return min(max(value, low), high)
-
-
-@kernel_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, REAL, REAL)
-def roll(
-    own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, k: int, v: float, omega: float
-) -> None:
-    """It is tick k now; the wheels had these speeds since the last call [m/s, rad/s]; own poses (PAST, 3) by tick."""
-    newest = int(memory[NEWEST])
-    if k - newest >= PAST:
-        newest = k - 1
-        bodies[:, COUNT] = 0.0
-    for now in range(newest + 1, k + 1):
-        before, row = own[(now - 1) % PAST], own[now % PAST]
-        row[0], row[1], row[2] = step(before[0], before[1], before[2], v, omega, law[DT])
-    memory[NEWEST], memory[SPEED] = k, v
-
-
-@kernel_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, MATRIX)
-def see(own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, at: int, places: FloatArray) -> None:
-    """Bodies were at places (n, 2) in the own frame at tick `at` [m]; a row of zeros is not in sight.
-
-    An alpha-beta filter: least squares over the first sightings, before which a body is taken to move as the robot
-    does, then with fading memory, down to the law's gains. Where innovations keep to one side, it forgets all but the
-    last few.
-    """
-    if memory[NEWEST] - at >= PAST:
-        return
-    me = own[at % PAST]
-    c, s, dt = math.cos(me[2]), math.sin(me[2]), law[DT]
-    for j in range(min(len(places), len(bodies))):
-        ahead, left = places[j, 0], places[j, 1]
-        if ahead == 0.0 and left == 0.0:
-            continue
-        x, y = me[0] + c * ahead - s * left, me[1] + s * ahead + c * left
-        body = bodies[j]
-        if body[COUNT] == 0.0 or at - body[SEEN] > law[KEPT]:
-            body[:] = 0.0
-            body[X], body[Y], body[VX], body[VY] = x, y, memory[SPEED] * c, memory[SPEED] * s
-            body[SEEN], body[COUNT] = at, BEGIN
-        elif at > body[SEEN]:
-            h = (at - body[SEEN]) * dt
-            n = body[COUNT] + 1.0
-            a = max(law[ALPHA], 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)))
-            b = max(law[BETA], 6.0 / (n * (n + 1.0)))
-            mx, my = x - body[X] - h * body[VX], y - body[Y] - h * body[VY]
-            body[EX] += BLEND * (mx / law[SIGMA] - body[EX])
-            body[EY] += BLEND * (my / law[SIGMA] - body[EY])
-            if n > RESTART and math.hypot(body[EX], body[EY]) > SURPRISE:
-                body[EX], body[EY], n = 0.0, 0.0, RESTART
-            body[X] += h * body[VX] + a * mx
-            body[Y] += h * body[VY] + a * my
-            body[VX] += b / h * mx
-            body[VY] += b / h * my
-            body[SEEN], body[COUNT] = at, n
+CLOSE_IN = 0.05
+"""Behind a body that leaves, a robot that is astray may be faster by so much in any case [m/s]."""
+ENDLESS = 1e6
+"""Wheels that can change their speed faster have no limit [m/s2]."""
 
 
 @kernel
 def _allowed(gap: float, react: float, brake: float) -> float:
     """The closing speed from which one stops within gap [m]: s react + s^2 / (2 brake) = gap; below 0 if gap is."""
-    if gap <= 0.0 or brake > 1e6:
+    if gap <= 0.0 or brake > ENDLESS:
         return gap / react
     return brake * (math.sqrt(react * react + 2.0 * gap / brake) - react)
-
-
-@kernel
-def _ahead(
-    own: FloatArray, law: FloatArray, k: int, commands: FloatArray, delay: int, rate: float, v: float, w: float
-) -> tuple[float, float, float, float]:
-    """The own pose, and v of the wheels, where the command of tick k takes effect; v and w are the wheels' now."""
-    x, y, theta = own[0], own[1], own[2]
-    length = len(commands)
-    for now in range(k, k + delay):
-        given = commands[(now - delay) % length]
-        v += between(rate * (between(given[0], -law[V_MAX], law[V_MAX]) - v), -law[DV], law[DV])
-        w += between(rate * (between(given[1], -law[OMEGA_MAX], law[OMEGA_MAX]) - w), -law[DOMEGA], law[DOMEGA])
-        x, y, theta = step(x, y, theta, v, w, law[DT])
-    return x, y, theta, v
-
-
-@kernel
-def _toward(bodies: FloatArray, j: int, at: float, dt: float, x: float, y: float) -> tuple[float, float, float]:
-    """Distance [m] and direction of body j from (x, y), at tick `at`."""
-    body = bodies[j]
-    h = (at - body[SEEN]) * dt
-    px, py = body[X] + h * body[VX] - x, body[Y] + h * body[VY] - y
-    d = max(math.hypot(px, py), 1e-6)
-    return d, px / d, py / d
 
 
 @kernel
@@ -161,21 +74,28 @@ def _bounds(
     x: float,
     y: float,
     theta: float,
+    slip: float,
+    far: float,
 ) -> tuple[float, float, int, int]:
-    """Least and largest v of the robot [m/s], and the rows of the bodies behind them."""
+    """Least and largest v of the wheels [m/s], and the rows of the bodies behind them."""
     c, s, dt = math.cos(theta), math.sin(theta), law[DT]
+    sx, sy = slip * c, slip * s
     react = RESPONSE + delay * dt
     low, high, below, above = -np.inf, np.inf, -1, -1
     for j in range(len(bodies)):
         body = bodies[j]
-        if body[COUNT] == 0.0 or k - body[SEEN] > law[KEPT]:
+        if not seen(body, law, k):
             continue
-        d, nx, ny = _toward(bodies, j, k + delay, dt, x, y)
-        closing = -(nx * body[VX] + ny * body[VY])
-        total = _allowed(d - reach[j, 0] - reach[j, 1], react, brake)
+        d, nx, ny = toward(body, k + delay, dt, x, y, sx, sy)
+        closing = -(nx * (body[VX] + sx) + ny * (body[VY] + sy))
+        gap = d - reach[j, 0] - reach[j, 1]
+        total = _allowed(gap, react, brake)
         mine = total - closing
         if closing > 0.0:
             mine = max(mine, 0.5 * total)
+        elif far > 0.0 and total > 0.0 and brake < ENDLESS:  # who leaves may brake as hard as this robot can
+            behind = _allowed(gap + closing * closing / (2.0 * brake), react, brake)
+            mine = min(mine, max(behind, CLOSE_IN - closing))
         if mine < 0.0:
             mine = max(mine, -RETREAT) if row > j else 0.0
         along = nx * c + ny * s
@@ -183,7 +103,7 @@ def _bounds(
             high, above = mine / along, j
         elif along < -0.05 and mine / along > low:
             low, below = mine / along, j
-    return low, high, below, above
+    return low - min(slip, 0.0), high - max(slip, 0.0), below, above
 
 
 @kernel
@@ -199,7 +119,7 @@ def _side(body: FloatArray, sign: float, nx: float, ny: float, c: float, s: floa
 @kernel_for(
     WHOLE,
     *(MATRIX, MATRIX, VECTOR_OUT, MATRIX, VECTOR, WHOLE, WHOLE),
-    *(MATRIX, WHOLE, REAL, VECTOR, VECTOR_OUT),
+    *(MATRIX, WHOLE, REAL, VECTOR, REAL, VECTOR_OUT),
 )
 def keep_off(
     own: FloatArray,
@@ -213,30 +133,25 @@ def keep_off(
     delay: int,
     lag: float,
     wheels: FloatArray,
+    slip: float,
     command: FloatArray,
 ) -> int:
     """Change a command that brings the robot too close to a body.
 
     Args:
         own, bodies, memory, law: see above.
-        reach: (n, 2) sum of both radii, and the distance of the bodies that is kept [m].
+        reach: (n, 3) sum of both radii, and the distance of the bodies that is kept [m].
         row: of this robot.
-        k: now.
-        commands: (LENGTH, 2) by the tick they were given, row t % LENGTH [m/s, rad/s].
-        delay: ticks from a command to its effect.
-        lag: time constant of the wheels [s].
-        wheels: (2,) their speeds now.
+        k, commands, delay, lag, wheels, slip: see sight.ahead.
         command: (3,), v and omega, changed; result: v of the wheels a tick later [m/s, rad/s].
 
     Returns:
         Row of the body that it keeps off; -1 if the command stays what it is.
     """
-    dt, rate, share = law[DT], 1.0, 1.0
-    if lag > 1e-6:
-        rate, share = 1.0 - math.exp(-dt / lag), 1.0 - math.exp(-SOON / lag)
-    x, y, theta, rolling = _ahead(own[k % PAST], law, k, commands, delay, rate, wheels[0], wheels[1])
+    dt, rate, share = law[DT], rate_of(lag, law[DT]), rate_of(lag, SOON)
+    x, y, theta, rolling = ahead(own[k % PAST], law, k, commands, delay, lag, wheels, slip)
     brake = min(law[DV] / dt, law[V_MAX] / max(lag, 1e-9))
-    low, high, below, above = _bounds(bodies, reach, law, row, k, delay, brake, x, y, theta)
+    low, high, below, above = _bounds(bodies, reach, law, row, k, delay, brake, x, y, theta, slip, memory[FAR])
     # The command that brings the wheels to a speed soon, however they lag.
     low, high = rolling + (low - rolling) / share, rolling + (high - rolling) / share
     wish = command[0]
@@ -261,14 +176,14 @@ def keep_off(
         if not free and (wish - new) / wish > CUT:
             memory[BLOCKED] = min(memory[BLOCKED] + dt, PATIENCE)
         if memory[BLOCKED] > NOT_YET or memory[SIDE] != 0.0:
-            body = bodies[who]
-            d, nx, ny = _toward(bodies, who, k + delay, dt, x, y)
+            body, sx, sy = bodies[who], slip * math.cos(theta), slip * math.sin(theta)
+            d, nx, ny = toward(body, k + delay, dt, x, y, sx, sy)
             if memory[SIDE] == 0.0:
                 sign = 1.0 if wish > 0.0 else -1.0
                 memory[SIDE] = _side(body, sign, nx, ny, math.cos(theta), math.sin(theta))
             back = min((d - reach[who, 0] - reach[who, 1] - ROOM) / ROOM_TIME, 0.0)
-            wx = body[VX] + law[ROUND] * memory[SIDE] * ny + back * nx
-            wy = body[VY] - law[ROUND] * memory[SIDE] * nx + back * ny
+            wx = body[VX] + sx + law[ROUND] * memory[SIDE] * ny + back * nx
+            wy = body[VY] + sy - law[ROUND] * memory[SIDE] * nx + back * ny
             error = wrap(math.atan2(wy, wx) - theta)
             new = between(math.hypot(wx, wy) * max(math.cos(error), 0.0), low, high)
             command[1] = between(TURN * error, -law[STEER], law[STEER])

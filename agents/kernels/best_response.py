@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.kernels.attend import attend, trust_in
-from agents.kernels.drifting import between
+from agents.kernels.drifting import believed, between, turned
 from agents.kernels.jit import (
     FLAG,
     MATRIX,
@@ -28,6 +28,7 @@ from agents.kernels.jit import (
     several,
 )
 from agents.kernels.response import Lag, Stage, Targets, respond
+from agents.kernels.separation import ROOM, astray, caution, courses
 from agents.kernels.unicycle import sample, shift, step
 from agents.kernels.views import shaped
 from agents.kernels.waiting import honest, known, remember
@@ -36,8 +37,6 @@ from formation.arrays import FloatArray, IntArray
 
 OWN, UPSTREAM, DOWNSTREAM = 0, 1, 3
 """Columns of the reference over the horizon."""
-SLOW = 0.01
-"""Speed of a slot below which its heading is not turned against a drift [m/s]."""
 SHARED = 0.25
 """Weight of the own slot while neighbours are trusted, as a share of that without."""
 WEIGHT, SQUARE, SPACING, SOURCES, TRUST_TIME, STEP, TICK, INTERVAL, STRIDE, BEGUN = range(10)
@@ -116,22 +115,6 @@ def errors_along(
 
 
 @kernel
-def believed(lateral: float, noise: float) -> float:
-    """What is believed of an estimated lateral drift: all far above the noise, half at it, little below [m/s]."""
-    square = lateral * lateral
-    return lateral * (square / (square + noise * noise)) if square > 0.0 else 0.0
-
-
-@kernel
-def _turned(slots: FloatArray, targets: FloatArray, lateral: float) -> None:
-    """Turn the headings of slots (N + 1, 3) against a lateral drift [m/s], so that the robot moves along them."""
-    for j in range(len(slots)):
-        speed = targets[min(j, len(targets) - 1), 0]
-        if abs(speed) > SLOW:
-            slots[j, 2] -= math.atan(between(lateral / speed, -0.5, 0.5))
-
-
-@kernel
 def _held(nominal: FloatArray, limits: FloatArray, inputs: FloatArray, motion: FloatArray) -> None:
     """For want of a solution: the last plan, moved on and within the limits."""
     for j in range(len(nominal)):
@@ -146,7 +129,7 @@ def _held(nominal: FloatArray, limits: FloatArray, inputs: FloatArray, motion: F
     *(FLAG, FLAG, WHOLE, TABLE, TABLE, WHOLE, REAL),
     *(WHOLE, VECTOR, VECTOR, VECTOR, REAL, MATRIX, WHOLE, REAL, REAL, REAL, REAL),
     *(VECTOR, MATRIX, VECTOR, MATRIX, REAL, FLAG, FLAG, FLAG) * 2,
-    *(TABLE_OUT, MATRIX_OUT),
+    *(MATRIX, TABLE_OUT, MATRIX_OUT),
 )
 def plan_response(
     real: FloatArray,
@@ -191,6 +174,7 @@ def plan_response(
     down_seen: bool,
     down_trusted: bool,
     down_waits: bool,
+    bodies: FloatArray,
     out: FloatArray,
     news: FloatArray,
 ) -> tuple[bool, float, float, bool, bool, float, bool, int]:
@@ -218,6 +202,7 @@ def plan_response(
         up_news, up_waits: of its plan: what it knows of waiting, and whether a fresh one says that the robot waits.
         up_age, up_seen, up_trusted: see attend.trust_in; and whether an edge to it means something.
         down_pose, ...: the same of the downstream neighbour.
+        bodies: (B, BODY) near by, see sight.foresee.
         out: (2, N, 2), result: inputs to command, and mean body velocities for the plan, no faster than the robot got
             lately while it waits.
         news: (n, 4), result: see waiting.known.
@@ -280,10 +265,16 @@ def plan_response(
     lateral, theta = believed(disturbance[1], noise), pose[2]
     drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
     if lateral != 0.0:
-        _turned(own, targets, lateral)
+        turned(own, targets, lateral)
     start[0], start[1], start[2] = pose[0], pose[1], pose[2]
     start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
-    goals, stage = Targets(own, targets, direction, error, drift), Stage(place, edge, 1.0, plans.costs, plans.limits)
+    costs, far = plans.costs, astray(own[0], pose, constants[SPACING]) if len(bodies) > 0 else 0.0
+    if far > 0.0:
+        costs = costs.copy()
+        costs[0] *= 1.0 + caution(bodies, pose, far)
+    goals = Targets(own, targets, direction, error, drift, courses(bodies, slots[:, OWN, 2], far, interval))
+    room = ROOM * constants[WEIGHT] / constants[SQUARE]
+    stage = Stage(place, edge, 1.0, costs, plans.limits, room)
     commanded, motion = out[0], out[1]
     change = respond(start, nominal, goals, stage, Lag(keep, blend), interval, plans.work, commanded, motion)
     converged = math.isfinite(change)

@@ -20,6 +20,9 @@ from agents.kernels.jit import (
 from agents.kernels.unicycle import sample_inputs, shift, step
 from formation.arrays import FloatArray
 
+SLOW = 0.01
+"""Speed of a slot below which its heading is not turned against a drift [m/s]."""
+
 
 @kernel
 def wrap_small(angle: float) -> float:
@@ -33,6 +36,22 @@ def wrap_small(angle: float) -> float:
 def between(value: float, low: float, high: float) -> float:
     """Value held within low .. high."""
     return min(max(value, low), high)
+
+
+@kernel
+def believed(lateral: float, noise: float) -> float:
+    """What is believed of an estimated lateral drift: all far above the noise, half at it, little below [m/s]."""
+    square = lateral * lateral
+    return lateral * (square / (square + noise * noise)) if square > 0.0 else 0.0
+
+
+@kernel
+def turned(slots: FloatArray, targets: FloatArray, lateral: float) -> None:
+    """Turn the headings of slots (N + 1, 3) against a lateral drift [m/s], so that the robot moves along them."""
+    for j in range(len(slots)):
+        speed = targets[min(j, len(targets) - 1), 0]
+        if abs(speed) > SLOW:
+            slots[j, 2] -= math.atan(between(lateral / speed, -0.5, 0.5))
 
 
 @kernel

@@ -37,6 +37,8 @@ class Stage(NamedTuple):
     """(2,) R of v [s2/m2] and omega."""
     limits: FloatArray
     """(2,) of |v| and |omega|."""
+    room: float
+    """On how much nearer than its distance a body is, squared, / 2 [1/m2]."""
 
 
 class Targets(NamedTuple):
@@ -52,11 +54,13 @@ class Targets(NamedTuple):
     """(Q, N + 1) neighbour's error (slot - pose) along that direction [m]."""
     drift: FloatArray
     """(2,) own, world frame [m/s]."""
+    bodies: FloatArray
+    """(B, M + 1, 3) where bodies near by will be over the first M intervals, and the distance to keep from them [m]."""
 
 
 LAG = named(Lag, REAL, REAL)
-STAGE = named(Stage, REAL, VECTOR_OUT, REAL, VECTOR_OUT, VECTOR_OUT)
-TARGETS = named(Targets, MATRIX_OUT, MATRIX_OUT, TABLE_OUT, MATRIX_OUT, VECTOR_OUT)
+STAGE = named(Stage, REAL, VECTOR_OUT, REAL, VECTOR_OUT, VECTOR_OUT, REAL)
+TARGETS = named(Targets, MATRIX_OUT, MATRIX_OUT, TABLE_OUT, MATRIX_OUT, VECTOR_OUT, TABLE_OUT)
 
 
 def lag_of(tau: float, dt: float) -> Lag:
@@ -94,6 +98,7 @@ def respond(  # noqa: PLR0915  one recursion, written out: a third of the time o
         The largest change of an input against `nominal`; NaN if the step failed.
     """
     steps, edges = len(nominal), len(stage.edge)
+    bodies, foreseen = len(targets.bodies), targets.bodies.shape[1]
     keep, m = lag.keep, lag.blend
     b, e = 1.0 - m, 1.0 - keep
     bx, by = targets.drift[0] * dt, targets.drift[1] * dt
@@ -134,6 +139,18 @@ def respond(  # noqa: PLR0915  one recursion, written out: a third of the time o
                 pull = weight * (dx * ex + dy * ey - targets.error[q, j + 1])
                 g0 -= pull * dx
                 g1 -= pull * dy
+        for q in range(bodies if j + 1 < foreseen else 0):
+            body = targets.bodies[q, j + 1]
+            dx, dy = row[0] - body[0], row[1] - body[1]
+            if dx * dx + dy * dy < body[2] * body[2]:
+                d = max(math.hypot(dx, dy), 1e-6)
+                dx, dy = dx / d, dy / d
+                p00 += stage.room * dx * dx
+                p01 += stage.room * dx * dy
+                p11 += stage.room * dy * dy
+                push = stage.room * (body[2] - d)
+                g0 -= push * dx
+                g1 -= push * dy
         row = work[j]
         gx, gy, a, c, f, d = row[5], row[6], row[7], row[8], row[9], row[10]
         m00, m01 = p00 * a + p01 * c, p00 * f + p01 * d + p02 * dt

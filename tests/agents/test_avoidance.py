@@ -75,6 +75,38 @@ def test_a_robot_stops_before_one_that_stands(preset: str, v: float) -> None:
     assert least > 0.0
 
 
+def test_a_stuck_robot_whose_wheels_turn_gives_no_more_than_would_be_good_if_it_came_free() -> None:
+    """Its odometry says that the body ahead leaves at the speed of its wheels; the slip says that it stands."""
+    speed, place = 0.4, (TOUCH + 0.03, 1e-9)
+    wheels, odometry = np.array([speed, 0.0]), np.array([[speed, 0.0]] * 3)
+    given_by = {}
+    for slip in (0.0, -speed):
+        avoidance = filter_of(SCENARIO)
+        for k in range(40):
+            avoidance.look(tick_of(k, place, odometry))
+            avoidance.near(k, wheels, np.zeros(3), np.array([slip, 0.0]), np.zeros(3))
+        given_by[slip], _ = avoidance.filter(39, wheels, 0.5, 0.0)
+    free = beside(place).filter(5, STILL[0], 0.5, 0.0)[0]
+    assert given_by[0.0] == 0.5
+    assert given_by[-speed] == pytest.approx(free, abs=0.02)
+    assert free < speed
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.1, -0.1])
+def test_a_plan_is_told_where_bodies_are_in_the_world_and_how_fast(slip: float) -> None:
+    speed, pose = 0.2, np.array([2.0, -1.0, 0.5 * math.pi])
+    avoidance = filter_of(SCENARIO)
+    wheels = np.array([speed, 0.0])
+    for k in range(60):
+        avoidance.look(tick_of(k, (0.2, 0.1), np.array([wheels] * 3)))
+        (found,) = avoidance.near(k, wheels, pose, np.array([slip, 0.0]), pose)
+    np.testing.assert_allclose(found[:2], [2.0 - 0.1, -1.0 + 0.2], atol=1e-6)
+    np.testing.assert_allclose(found[2:4], [0.0, speed + slip], atol=1e-6)
+    room = SCENARIO.spacing - TOUCH
+    assert found[4] == TOUCH
+    assert 0.5 * room < found[5] - TOUCH < room
+
+
 def test_robots_see_who_is_within_sight_in_their_own_frame() -> None:
     poses = np.array([[0.0, 0.0, math.pi / 2.0], [0.0, 0.9, 0.0], [0.0, 1.5, 0.0]])
     seen = Sight(SCENARIO).see(0, poses)

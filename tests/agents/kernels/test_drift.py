@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.kernels.best_response import believed
+from agents.kernels.drifting import believed
 
 DRIFTS = st.floats(-0.2, 0.2)
 NOISES = st.floats(0.0, 0.02)

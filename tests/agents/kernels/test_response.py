@@ -16,7 +16,7 @@ LAGS = st.sampled_from([0.0, 0.1, 0.3])
 
 
 def problem(seed: int) -> tuple[FloatArray, Targets, Stage]:
-    """A robot near its slot on an arc, with two neighbours that are a little off theirs."""
+    """A robot near its slot on an arc, with two neighbours that are a little off theirs, and a body in the way."""
     source = np.random.default_rng(seed)
     inputs = np.tile([0.1, 0.3], (STEPS, 1))
     slots = np.zeros((STEPS + 1, 3))
@@ -26,8 +26,11 @@ def problem(seed: int) -> tuple[FloatArray, Targets, Stage]:
     angles = source.uniform(-np.pi, np.pi, 2)
     direction = np.stack([np.tile([np.cos(a), np.sin(a)], (STEPS + 1, 1)) for a in angles])
     error = 0.01 * source.standard_normal((2, STEPS + 1))
-    targets = Targets(slots, inputs, direction, error, 0.003 * source.standard_normal(2))
-    stage = Stage(60.0 / SPACING**2, np.array([100.0, 50.0]) / SPACING**2, 1.0, np.array([1.0, 0.4]), WIDE)
+    body = slots[: STEPS // 2] + np.append(source.normal(0.0, 0.02, 2), 0.0)
+    body[:, 2] = source.uniform(0.0, 0.03)
+    targets = Targets(slots, inputs, direction, error, 0.003 * source.standard_normal(2), body[None])
+    costs, room = np.array([1.0, 0.4]), 150.0 / SPACING**2
+    stage = Stage(60.0 / SPACING**2, np.array([100.0, 50.0]) / SPACING**2, 1.0, costs, WIDE, room)
     start = np.concatenate([slots[0] + source.normal(0.0, [0.01, 0.01, 0.1]), [0.1, 0.3]])
     return start, targets, stage
 
@@ -52,6 +55,8 @@ def cost(start: FloatArray, inputs: FloatArray, targets: Targets, stage: Stage, 
         v, w = ((1.0 - lag.keep) * c[i] + lag.keep * (v, w)[i] for i in range(2))
         e = targets.slots[j + 1] - [x, y, theta]
         along = np.array([d[j + 1] @ e[:2] for d in targets.direction]) - targets.error[:, j + 1]
+        for body in targets.bodies[:, j + 1 : j + 2, :].reshape(-1, 3):
+            total += 0.5 * stage.room * max(float(body[2] - np.hypot(*(body[:2] - [x, y]))), 0.0) ** 2
         total += 0.5 * (stage.place * float(e[:2] @ e[:2]) + float(stage.edge @ along**2) + stage.heading * e[2] ** 2)
     return total
 
@@ -91,7 +96,8 @@ def test_inputs_are_within_the_limits(seed: int) -> None:
 
 def test_a_robot_in_its_slot_whose_neighbours_are_in_theirs_drives_as_its_slot() -> None:
     _, targets, stage = problem(0)
-    still = targets._replace(error=np.zeros_like(targets.error), drift=np.zeros(2))
+    far = targets.bodies + np.array([1.0, 0.0, 0.0])
+    still = targets._replace(error=np.zeros_like(targets.error), drift=np.zeros(2), bodies=far)
     start = np.concatenate([targets.slots[0], targets.inputs[0]])
     _, out = solved(start, targets.inputs, still, stage, lag_of(0.1, DT))
     np.testing.assert_allclose(out, targets.inputs, atol=1e-12)

@@ -28,7 +28,7 @@ from agents.kernels.jit import (
     several,
 )
 from agents.kernels.response import Lag, Stage, Targets, respond
-from agents.kernels.separation import ROOM, astray, caution, courses
+from agents.kernels.separation import ROOM, astray, caution, courses, met
 from agents.kernels.unicycle import sample, shift, step
 from agents.kernels.views import shaped
 from agents.kernels.waiting import honest, known, remember
@@ -268,7 +268,9 @@ def plan_response(
         turned(own, targets, lateral)
     start[0], start[1], start[2] = pose[0], pose[1], pose[2]
     start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
-    costs, far = plans.costs, astray(own[0], pose, constants[SPACING]) if len(bodies) > 0 else 0.0
+    costs, far = plans.costs, 0.0
+    if len(bodies) > 0:
+        far = max(astray(own[0], pose, constants[SPACING]), met(bodies, pose, start[3]))
     if far > 0.0:
         costs = costs.copy()
         costs[0] *= 1.0 + caution(bodies, pose, far)

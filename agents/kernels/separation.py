@@ -17,6 +17,8 @@ ROOM = 3.0
 """Weight of a distance, as a share of that of the own slot without trust."""
 ORDERLY, ASTRAY = 0.05, 0.15
 """Distance from the own slot up to which a robot is in its place, and from which on it is astray [spacings]."""
+COMES = 0.05
+"""Speed at which bodies may come nearer in order; at twice that a robot in its place acts as one astray [m/s]."""
 AHEAD = 2.0
 """How far ahead it looks when it is astray [s]."""
 SHARE = 0.65
@@ -34,6 +36,18 @@ def astray(slot: FloatArray, pose: FloatArray, spacing: float) -> float:
     """0 for a robot in its place, 1 for one that is astray; slot and pose (3,), spacing [m]."""
     away = math.hypot(slot[0] - pose[0], slot[1] - pose[1]) / spacing
     return between((away - ORDERLY) / (ASTRAY - ORDERLY), 0.0, 1.0)
+
+
+@kernel
+def met(bodies: FloatArray, pose: FloatArray, v: float) -> float:
+    """0 if nobody near comes nearer, 1 if somebody does; pose (3,) and speed v of the robot [m/s]."""
+    vx, vy, most = v * math.cos(pose[2]), v * math.sin(pose[2]), 0.0
+    for q in range(len(bodies)):
+        dx, dy = bodies[q, 0] - pose[0], bodies[q, 1] - pose[1]
+        d = max(math.hypot(dx, dy), 1e-9)
+        if d < bodies[q, 4] + ZONE:
+            most = max(most, ((vx - bodies[q, 2]) * dx + (vy - bodies[q, 3]) * dy) / d)
+    return between((most - COMES) / COMES, 0.0, 1.0)
 
 
 @kernel

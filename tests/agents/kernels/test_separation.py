@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.kernels.separation import ASTRAY, HOLD, ORDERLY, astray, caution, courses
+from agents.kernels.separation import ASTRAY, COMES, HOLD, ORDERLY, ZONE, astray, caution, courses, met
 from formation.arrays import FloatArray
 
 SPACING, INTERVAL, TOUCH, KEEP = 0.1, 0.1, 0.07, 0.097
@@ -60,3 +60,13 @@ def test_the_nearer_a_body_the_gentler(far: float) -> None:
     assert cautions[0] == 0.0
     assert cautions[-1] > cautions[-2]
     assert caution(np.zeros((0, 6)), np.zeros(3), far) == 0.0
+
+
+@given(st.floats(0.0, 0.3))
+def test_a_robot_in_its_place_heeds_who_comes_and_not_who_drives_along(speed: float) -> None:
+    ahead, pose = TOUCH + 0.5 * ZONE, np.zeros(3)
+    assert met(body(ahead, 0.0, speed), pose, speed) == 0.0
+    assert met(body(TOUCH + 2.0 * ZONE, 0.0), pose, speed) == 0.0
+    found = met(body(ahead, 0.0), pose, speed)
+    assert found == (0.0 if speed <= COMES else min(speed / COMES - 1.0, 1.0))
+    assert met(body(ahead, 0.0, -speed), pose, 0.0) == pytest.approx(found)

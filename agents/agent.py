@@ -68,6 +68,7 @@ class Agent:
         window = None if raw else WindowEstimator(scenario, self._task, self._motors, **hears)
         self._estimator: Estimator = window or LatestPose(scenario)
         self._compensates = scenario.estimator.disturbances and not raw
+        self._doubt = scenario.estimator.doubt if self._compensates else 0.0
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors)
         self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
@@ -210,7 +211,7 @@ class Agent:
             motors.lag,
             avoidance.take(),
             task.lost(at),
-            own.drift_sigma if self._compensates else 0.0,
+            own.drift_sigma * self._doubt,
             avoidance.near(k, self._speed, own.pose, less, task.slot(at, 0)[0]) if avoidance.works else NOBODY,
         )
         solution = self._controller.plan(observation)

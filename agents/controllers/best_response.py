@@ -26,9 +26,9 @@ from agents.kernels.window.state import LEVELS
 from formation.arrays import FloatArray
 
 NOTHING_NEW: FloatArray = np.zeros((0, 4))
-NOISE, MOST_NOISE = 4.0, 0.25 * LEVELS[1]
-"""Noise of an estimated drift across the heading: so many standard deviations, but at most so much [m/s]. Just after
-the filter has detected a disturbance they are large, and then the drift is to be believed."""
+MOST_NOISE = 0.25 * LEVELS[1]
+"""Largest noise of a drift across the heading that is believed in [m/s]: just after the filter has detected a
+disturbance its standard deviation is large, and then the drift is to be believed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class BestResponse:
             lag,
             _,
             lost,
-            sigma,
+            noise,
             bodies,
             _,
             _,
@@ -143,7 +143,7 @@ class BestResponse:
             pose,
             speed,
             disturbance,
-            min(NOISE * sigma, MOST_NOISE),
+            min(noise, MOST_NOISE),
             covariance,
             rejected,
             gap,

@@ -77,8 +77,8 @@ class Observation(NamedTuple):
     """(2,) mean speeds since the last plan that the last filter allowed, if it changed a command [m/s, rad/s]."""
     lost: bool = False
     """Whether the robot was told the path too long ago; its own reference then is nobody's but that of others lost."""
-    drift_sigma: float = 0.0
-    """Standard deviation of the lateral part of the disturbance [m/s]."""
+    drift_noise: float = 0.0
+    """Of the lateral part of the disturbance so much may be noise [m/s], see estimator.doubt."""
     bodies: FloatArray = NOBODY
     """(B, 6) the bodies near by, if robots avoid each other: position [m] and velocity [m/s] in the world, sum of both
     radii, and the distance of the centres to keep [m]."""

@@ -268,12 +268,8 @@ def plan_response(
         turned(own, targets, lateral)
     start[0], start[1], start[2] = pose[0], pose[1], pose[2]
     start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
-    costs, far = plans.costs, 0.0
-    if len(bodies) > 0:
-        far = max(astray(own[0], pose, constants[SPACING]), met(bodies, pose, start[3]))
-    if far > 0.0:
-        costs = costs.copy()
-        costs[0] *= 1.0 + caution(bodies, pose, far)
+    far = max(astray(own[0], pose, constants[SPACING]), met(bodies, pose, start[3])) if len(bodies) > 0 else 0.0
+    costs = np.array([plans.costs[0] * (1.0 + caution(bodies, pose, far)), plans.costs[1]])
     goals = Targets(own, targets, direction, error, drift, courses(bodies, slots[:, OWN, 2], far, interval))
     room = ROOM * constants[WEIGHT] / constants[SQUARE]
     stage = Stage(place, edge, 1.0, costs, plans.limits, room)

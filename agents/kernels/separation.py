@@ -35,7 +35,7 @@ GENTLE, GENTLER = 1e3, 5e3
 def astray(slot: FloatArray, pose: FloatArray, spacing: float) -> float:
     """0 for a robot in its place, 1 for one that is astray; slot and pose (3,), spacing [m]."""
     away = math.hypot(slot[0] - pose[0], slot[1] - pose[1]) / spacing
-    return between((away - ORDERLY) / (ASTRAY - ORDERLY), 0.0, 1.0)
+    return float(between((away - ORDERLY) / (ASTRAY - ORDERLY), 0.0, 1.0))
 
 
 @kernel
@@ -47,7 +47,7 @@ def met(bodies: FloatArray, pose: FloatArray, v: float) -> float:
         d = max(math.hypot(dx, dy), 1e-9)
         if d < bodies[q, 4] + ZONE:
             most = max(most, ((vx - bodies[q, 2]) * dx + (vy - bodies[q, 3]) * dy) / d)
-    return between((most - COMES) / COMES, 0.0, 1.0)
+    return float(between((most - COMES) / COMES, 0.0, 1.0))
 
 
 @kernel

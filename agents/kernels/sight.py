@@ -142,7 +142,7 @@ def toward(
 @kernel
 def seen(body: FloatArray, law: FloatArray, k: int) -> bool:
     """Whether a body is in sight."""
-    return body[COUNT] > 0.0 and k - body[SEEN] <= law[KEPT]
+    return bool(body[COUNT] > 0.0 and k - body[SEEN] <= law[KEPT])
 
 
 @kernel_for(

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from formation.bodies.nominal import ticks_late
-from formation.schema import Duration, Model
+from formation.schema import Duration, Model, NonNegative
 
 
 class Estimator(Model):
@@ -15,6 +15,8 @@ class Estimator(Model):
     """Filter measurements; without, a controller gets the newest measured pose, carried on along odometry."""
     disturbances: bool = True
     """Detect and estimate disturbances of the body velocity, and compensate for them."""
+    doubt: NonNegative = 0.0
+    """Of a drift across the heading so many standard deviations are taken for noise; 0: all of it is believed."""
     relative: bool = True
     """Use relative sensing, where the bodies have it."""
     window: Annotated[int, Field(ge=1, le=3)] = 2

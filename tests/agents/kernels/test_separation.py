@@ -68,5 +68,5 @@ def test_a_robot_in_its_place_heeds_who_comes_and_not_who_drives_along(speed: fl
     assert met(body(ahead, 0.0, speed), pose, speed) == 0.0
     assert met(body(TOUCH + 2.0 * ZONE, 0.0), pose, speed) == 0.0
     found = met(body(ahead, 0.0), pose, speed)
-    assert found == (0.0 if speed <= COMES else min(speed / COMES - 1.0, 1.0))
+    assert found == pytest.approx(min(max(speed / COMES - 1.0, 0.0), 1.0))
     assert met(body(ahead, 0.0, -speed), pose, 0.0) == pytest.approx(found)

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from agents.kernels.avoidance import RESPONSE, keep_off
-from agents.kernels.separation import astray
-from agents.kernels.sight import BODY, COLUMNS, FAR, MEMORY, PAST, foresee, roll, see
+from agents.kernels.nearby.avoidance import RESPONSE, keep_off
+from agents.kernels.nearby.separation import astray
+from agents.kernels.nearby.sight import BODY, COLUMNS, FAR, MEMORY, PAST, foresee, roll, see
 from agents.motor_model import UNLIMITED, MotorModel
 from formation.arrays import FloatArray
 from formation.faults import PERFECT, Fault
@@ -76,7 +76,7 @@ class Avoidance:
         self.works = scenario.robots.avoid
         """Whether it does anything."""
         self._sight = (np.zeros((PAST, 3)), np.zeros((n if self.works else 0, COLUMNS)), np.zeros(MEMORY))
-        """Own poses, bodies and memory (agents/kernels/sight.py)."""
+        """Own poses, bodies and memory (agents/kernels/nearby/sight.py)."""
         self._near, self._slip = np.zeros((CROWD, BODY)), 0.0
         self._spacing = scenario.spacing
         self._mine, self._n = np.array([n * self._row, n * robot]), n

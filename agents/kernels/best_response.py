@@ -27,8 +27,8 @@ from agents.kernels.jit import (
     kernel_for,
     several,
 )
+from agents.kernels.nearby.separation import ROOM, astray, caution, courses, met
 from agents.kernels.response import Lag, Stage, Targets, respond
-from agents.kernels.separation import ROOM, astray, caution, courses, met
 from agents.kernels.unicycle import sample, shift, step
 from agents.kernels.views import shaped
 from agents.kernels.waiting import honest, known, remember

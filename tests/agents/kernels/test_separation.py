@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.kernels.separation import ASTRAY, COMES, HOLD, ORDERLY, ZONE, astray, caution, courses, met
+from agents.kernels.nearby.separation import ASTRAY, COMES, HOLD, ORDERLY, ZONE, astray, caution, courses, met
 from formation.arrays import FloatArray
 
 SPACING, INTERVAL, TOUCH, KEEP = 0.1, 0.1, 0.07, 0.097

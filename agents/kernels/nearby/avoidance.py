@@ -6,7 +6,7 @@ import numpy as np
 
 from agents.kernels.drifting import between
 from agents.kernels.jit import MATRIX, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
-from agents.kernels.sight import (
+from agents.kernels.nearby.sight import (
     BLOCKED,
     DT,
     DV,

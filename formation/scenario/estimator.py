@@ -16,7 +16,7 @@ class Estimator(Model):
     disturbances: bool = True
     """Detect and estimate disturbances of the body velocity, and compensate for them."""
     doubt: NonNegative = 0.0
-    """Of a drift across the heading so many standard deviations are taken for noise; 0: all of it is believed."""
+    """Of a drift across the heading so many standard deviations are taken for noise [1]; 0: all of it is believed."""
     relative: bool = True
     """Use relative sensing, where the bodies have it."""
     window: Annotated[int, Field(ge=1, le=3)] = 2

@@ -35,7 +35,7 @@ class Robots(Model):
     sight: NonNegative = 1.0
     """How far a robot sees other bodies [m]."""
     avoid: bool = False
-    """Keep off the bodies in sight by a last filter on commands."""
+    """Keep off the bodies in sight, in plans and by a last filter on commands."""
 
 
 class Noise(Model):

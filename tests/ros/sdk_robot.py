@@ -126,7 +126,9 @@ def main() -> None:
         if time.monotonic() - said > 0.1:
             said = time.monotonic()
             if options.log:
-                options.log.write_text(json.dumps(vars_of(robot)))
+                half = options.log.with_suffix(".half")  # a robot that is killed leaves a whole file
+                half.write_text(json.dumps(vars_of(robot)))
+                half.replace(options.log)
 
 
 if __name__ == "__main__":

@@ -113,10 +113,10 @@ class WindowEstimator:
 
     def _sensed(self, measurement: Measurement) -> tuple[int, bool, FloatArray, bool, FloatArray]:
         """A measurement as compiled code takes it."""
-        tick, pose, relative = measurement
-        if relative is None or not self.sees:
-            return (tick, False, NOWHERE, False, STILL) if pose is None else (tick, True, pose, False, STILL)
-        return (tick, False, NOWHERE, True, relative) if pose is None else (tick, True, pose, True, relative)
+        pose, relative = measurement.pose, measurement.relative if self.sees else None
+        located = (False, NOWHERE) if pose is None else (True, pose)
+        related = (False, STILL) if relative is None else (True, relative)
+        return measurement.tick, *located, *related
 
     def _begin(self, tick: int, pose: FloatArray) -> None:
         """The first localisation is where the filter starts."""

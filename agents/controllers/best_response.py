@@ -24,8 +24,8 @@ from agents.kernels.response import lag_of
 from agents.kernels.waiting import FRESH
 from agents.kernels.window.state import LEVELS
 from formation.arrays import FloatArray
+from network.values import NO_NEWS
 
-NOTHING_NEW: FloatArray = np.zeros((0, 4))
 MOST_NOISE = 0.25 * LEVELS[1]
 """Largest noise of a drift across the heading that is believed in [m/s]: just after the filter has detected a
 disturbance its standard deviation is large, and then the drift is to be believed."""
@@ -118,7 +118,7 @@ class BestResponse:
             self._motor_lag, self._lag = lag, lag_of(lag, task.interval)
         keep, blend = self._lag
         up_inputs, up_news, up_trusted, up_waits = self._heard(up, k, lost=lost)
-        down_news, down_trusted, down_waits, down_inputs = NOTHING_NEW, False, False, up_inputs
+        down_news, down_trusted, down_waits, down_inputs = NO_NEWS, False, False, up_inputs
         if down is None:
             down = up
         else:
@@ -176,7 +176,7 @@ class BestResponse:
         """A neighbour's inputs, the news of its plan, whether an edge to it means something, whether it waits."""
         inputs, plan = np.ascontiguousarray(neighbour.inputs), neighbour.plan
         if plan is None:
-            return inputs, NOTHING_NEW, True, False
+            return inputs, NO_NEWS, True, False
         # Of two robots that follow different references, an edge between them means nothing.
         waits = plan.waits and k * self._task.tick - (plan.stamp + plan.delay) < FRESH
         return inputs, plan.news, (plan.lost > 0) == lost, waits

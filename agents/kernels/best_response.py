@@ -59,7 +59,8 @@ class Planner(NamedTuple):
     """(N + 1, WORK_COLUMNS) scratch."""
 
 
-def _planner_of(flat: FloatArray, steps: int) -> Planner:
+@kernel
+def planner_of(flat: FloatArray, steps: int) -> Planner:
     """The planner that lies in one array, as views of it: compiled code takes that array."""
     return Planner(
         shaped(flat, 0, (10,)),
@@ -68,9 +69,6 @@ def _planner_of(flat: FloatArray, steps: int) -> Planner:
         shaped(flat, 14, (steps, 2)),
         shaped(flat, 14 + 2 * steps, (steps + 1, WORK_COLUMNS)),
     )
-
-
-planner_of = kernel(_planner_of)
 
 
 def planner(constants: tuple[float, ...], costs: tuple[float, float], limits: FloatArray, steps: int) -> FloatArray:

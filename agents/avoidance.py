@@ -6,23 +6,20 @@ from typing import Final
 
 import numpy as np
 
-from agents.kernels.nearby.avoidance import RESPONSE, keep_off
+from agents.kernels.nearby.avoidance import keep_off
 from agents.kernels.nearby.separation import astray
 from agents.kernels.nearby.sight import BODY, COLUMNS, FAR, MEMORY, PAST, foresee, roll, see
 from agents.motor_model import UNLIMITED, MotorModel
 from formation.arrays import FloatArray
+from formation.clear.stopping import INSISTS, ORDERLY, RESPONSE, YIELDS
 from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Tick
 
-YIELDS, INSISTS = 0.010, 0.006
-"""Distance of two bodies that the robot with the higher number keeps, and the one with the lower [m]."""
-ORDERLY: Final = 0.25
-"""Neither keeps more than this share of the distance that neighbours have in the formation."""
 ROOMY: Final = 0.9
-"""A plan keeps at most this share of it."""
+"""A plan keeps at most this share of the distance that neighbours' bodies have in the formation."""
 CROWD: Final = 8
 """Of the bodies near by a plan counts so many."""
 CHANGES: Final = 0.5

@@ -1,6 +1,6 @@
 """Contacts in seeded runs over all shipped scenarios, presets of bodies and networks, half of them with a stuck robot.
 
-python -m benchmarks.contacts run FILE [--arms NAME ...] [--share I/N] [--seconds S]
+python -m benchmarks.contacts run FILE [--arms NAME ...] [--duration S] [--share I/N] [--seconds S]
 python -m benchmarks.contacts show FILE ...
 
 `run` adds a line of JSON per run to FILE and leaves out what is there already, so that it can be stopped at any time;
@@ -29,8 +29,10 @@ from formation.scenario.files import load, shipped
 from formation.scenario.scenario import Scenario
 from runtime.inprocess import Simulation
 
-SEED, RUNS, DURATION = 17, 300, 24.0
-"""Of the drawing, how many runs, how long each is [s]."""
+SEED, RUNS = 17, 300
+"""Of the drawing, and how many runs."""
+DURATION = 24.0
+"""How long a run is by default [s]."""
 STUCK, FREE = 4.0, 14.0
 """In every second run a robot that is drawn does not move in this time [s]."""
 WITHIN, PROGRESS = 0.25, 0.9
@@ -79,13 +81,13 @@ def cases() -> list[Case]:
     return [Case(number, *case) for number, case in enumerate(found[:RUNS])]
 
 
-def scenario_of(case: Case, arm: str) -> Scenario:
+def scenario_of(case: Case, arm: str, duration: float = DURATION) -> Scenario:
     """The scenario of a run; its seed is the run's number."""
     controller, avoid = ARMS[arm]
     raw: dict[str, Any] = {
         **NETWORKS[case.network],
         "bodies": {"preset": case.preset},
-        "duration": DURATION,
+        "duration": duration,
         "seed": case.number,
         "robots": {"avoid": avoid},
         "controller": {"name": controller, "plan_every": EVERY},
@@ -99,11 +101,11 @@ def scenario_of(case: Case, arm: str) -> Scenario:
     return load(case.scenario, raw)
 
 
-def trial(case: Case, arm: str) -> dict[str, Any]:
+def trial(case: Case, arm: str, duration: float) -> dict[str, Any]:
     """Simulate one run."""
-    row = {"arm": arm, **case._asdict()}
+    row = {"arm": arm, **case._asdict(), "duration_s": duration}
     try:
-        scenario = scenario_of(case, arm)
+        scenario = scenario_of(case, arm, duration)
     except EchelonError as refusal:
         return {**row, "refused": str(refusal).splitlines()[0]}
     began = perf_counter()
@@ -120,7 +122,7 @@ def trial(case: Case, arm: str) -> dict[str, Any]:
         "touched_at_start": touched,
         "gap_m": simulation.world.contacts.gap,
         "end_error": float(np.abs(error[-second:]).max()) / scenario.spacing,
-        "progress": made(scenario, trace.poses) / (DURATION - (FREE - STUCK) * case.stuck),
+        "progress": made(scenario, trace.poses) / (duration - (FREE - STUCK) * case.stuck),
         "kept_off_s": [kept_off.summary(robot)["kept_off_s"] for robot in range(1, scenario.size + 1)],
         "wall_s": perf_counter() - began,
     }
@@ -128,7 +130,7 @@ def trial(case: Case, arm: str) -> dict[str, Any]:
 
 def made(scenario: Scenario, poses: Any) -> float:
     """The time of the path at whose place the centre of the formation is at the end [s]."""
-    times = np.arange(0.0, DURATION + 0.05, 0.05)
+    times = np.arange(0.0, scenario.duration + 0.05, 0.05)
     way = scenario.reference().centre(times)
     gap = np.linalg.norm(way[:, :2] - poses[-1, :, :2].mean(axis=0), axis=1)
     return float(times[int(np.argmin(gap))])
@@ -145,7 +147,7 @@ def read(files: Iterable[Path]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in lines]
 
 
-def run(file: Path, arms: list[str], share: str, seconds: float) -> None:
+def run(file: Path, arms: list[str], duration: float, share: str, seconds: float) -> None:
     """Simulate what is not in the file yet."""
     part, parts = (int(each) for each in share.split("/"))
     commit = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
@@ -155,7 +157,7 @@ def run(file: Path, arms: list[str], share: str, seconds: float) -> None:
         for arm in arms:
             if case.number % parts != part or (arm, case.number) in done or perf_counter() - began > seconds:
                 continue
-            row = {**trial(case, arm), "commit": commit, "duration_s": DURATION}
+            row = {**trial(case, arm, duration), "commit": commit}
             with file.open("a", encoding="utf-8") as out:
                 out.write(json.dumps(row) + "\n")
 
@@ -199,11 +201,12 @@ def main() -> int:
     parser.add_argument("what", choices=["run", "show"])
     parser.add_argument("files", type=Path, nargs="+")
     parser.add_argument("--arms", nargs="+", choices=list(ARMS), default=list(ARMS)[:4])
+    parser.add_argument("--duration", type=float, default=DURATION, metavar="S", help="of a run; one for a file")
     parser.add_argument("--share", default="0/1")
     parser.add_argument("--seconds", type=float, default=float("inf"))
     options = parser.parse_args()
     if options.what == "run":
-        run(options.files[0], options.arms, options.share, options.seconds)
+        run(options.files[0], options.arms, options.duration, options.share, options.seconds)
         return 0
     rows = read(options.files)
     show(rows)

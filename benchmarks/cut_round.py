@@ -38,8 +38,9 @@ TURNS = [[1.0, 0.05, 0.0], [15.0, 0.05, 0.15], [45.0, 0.05, -0.15], [75.0, 0.06,
 TOLD = {"path": {"known_to": "leader"}, "bodies": {"preset": "camera"}}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "default": ("follow-the-leader", {}),
-    "avoid": ("follow-the-leader", {"robots": {"avoid": True}}),
+    "without avoid": ("follow-the-leader", {"robots": {"avoid": False}}),
     "drive-me": ("drive-me", {"path": {"commands": TURNS}}),
+    "drive-me, avoid": ("drive-me", {"path": {"commands": TURNS}, "robots": {"avoid": True}}),
     "hexagon": ("hexagon-sinusoid", TOLD),
     "triangle": ("triangle-circle", TOLD),
     "ring-16": ("ring-16", TOLD),

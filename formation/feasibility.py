@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formation.arrays import FloatArray
 from formation.paths.turns import Turn, place_at
 from formation.paths.waypoints import Waypoints
 from formation.schedule import MARGIN, STRETCH, Schedule
@@ -53,6 +52,8 @@ class Feasibility(NamedTuple):
     """Whether every slot is too fast at the same time."""
     hint: str
     """What the user may want to do."""
+    stops: bool = False
+    """Whether the limit of v is what robots can stop from behind each other."""
 
     @property
     def line(self) -> str:
@@ -77,13 +78,10 @@ class Feasibility(NamedTuple):
         worst, limit = max(self.demands, key=lambda demand: demand.speed), self.limits[0]
         if worst.speed <= ALLOWED * limit:
             return ""
-        if self.together:
-            least = min(self.demands, key=lambda demand: demand.speed)
-            return f"the path asks for {least.speed:.3g} m/s; the limit is {limit:.3g} ({least.speed_at})"
-        return (
-            f"the slot of robot {worst.robot} asks for {worst.speed:.3g} m/s; the limit is {limit:.3g} "
-            f"({worst.speed_at})"
-        )
+        least = min(self.demands, key=lambda demand: demand.speed)
+        who, demand = ("the path", least) if self.together else (f"the slot of robot {worst.robot}", worst)
+        why = ", with robots.avoid, to stop in time behind each other" if self.stops else ""
+        return f"{who} asks for {demand.speed:.3g} m/s; the limit is {limit:.3g}{why} ({demand.speed_at})"
 
     def _rate(self) -> str:
         worst, limit = max(self.demands, key=lambda demand: demand.turn_rate), self.limits[1]
@@ -96,14 +94,14 @@ class Feasibility(NamedTuple):
 
 
 def examine(
-    motion: Motion, schedule: Schedule, limits: FloatArray, turns: list[Turn], *, until: float, duration: float
+    motion: Motion, schedule: Schedule, limits: tuple[float, float], turns: list[Turn], *, until: float, duration: float
 ) -> Feasibility:
     """The report on a scenario.
 
     Args:
         motion: of all slots.
         schedule: of their reference.
-        limits: (2,) of v and omega [m/s, rad/s].
+        limits: of v and omega [m/s, rad/s].
         turns: that are too tight.
         until: by the path's time, how far it is looked at [s].
         duration: of the episode [s].
@@ -118,13 +116,13 @@ def examine(
         when = first + (needs >= NEARLY * here).argmax(axis=0)  # the first of several that are alike
         at = np.where(NEARLY * here > most, when, at)
         most = np.maximum(most, here)
-    asked = most / step * MARGIN * limits
+    asked = most / step * MARGIN * np.array(limits)
     return Feasibility(
         tuple(
             Demand(robot, float(v), place_at(path, float(k[0])), float(omega), place_at(path, float(k[1])))
             for robot, ((v, omega), k) in enumerate(zip(asked, at * step, strict=True), start=1)
         ),
-        (float(limits[0]), float(limits[1])),
+        limits,
         tuple(turns),
         motion.offsets.reach,
         schedule.lag(duration),

@@ -22,7 +22,9 @@ _HERE = Path(__file__).parent
 _FILES = [file for file in sorted(_HERE.rglob("*.py")) if file.stem not in ("__init__", "jit", "jit_cache")]
 KERNEL_MODULES = [".".join(("agents.kernels", *file.relative_to(_HERE).with_suffix("").parts)) for file in _FILES]
 """Every module of kernels; importing one compiles it."""
-_SOURCES = [*_FILES, _HERE / "jit.py", _HERE.parents[1] / "formation" / "unicycle.py"]
+_SHARED = [_HERE.parents[1] / "formation" / name for name in ("unicycle.py", "clear/stopping.py")]
+"""Of which kernels are made as well."""
+_SOURCES = [*_FILES, _HERE / "jit.py", *_SHARED]
 _CPUINFO = Path("/proc/cpuinfo")
 _COMPLETE = "complete"
 """The mark in a folder in which every kernel is."""

@@ -101,20 +101,20 @@ def _clip(value: float, most: float) -> float:
     return min(max(value, -most), most)
 
 
-def law_of(path: Driven, formation: Formation, limits: tuple[float, float], reach: float, tick: float) -> Law:
+def law_of(path: Driven, formation: Formation, v: float, omega: float, reach: float, tick: float) -> Law:
     """The law of a scenario.
 
     Args:
         path: that is driven.
         formation: says which way it faces.
-        limits: of a robot's v and omega [m/s, rad/s].
+        v, omega: the most that slots may ask for [m/s, rad/s].
         reach: of the formation [m].
         tick: delta_t [s].
     """
     rate = formation.turn_rate if formation.orientation == "limited" else None
     return Law(
-        MARGIN * limits[0] / (1.0 + TURN_SHARE),
-        min(MOST_TURN, TURN_LIMIT * limits[1]),
+        MARGIN * v / (1.0 + TURN_SHARE),
+        min(MOST_TURN, TURN_LIMIT * omega),
         path.acceleration,
         path.turn_acceleration,
         formation.orientation,

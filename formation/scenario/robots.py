@@ -2,6 +2,7 @@
 
 from pydantic import FiniteFloat
 
+from formation.bodies.spec import Bodies
 from formation.schema import Model, NonNegative, Positive
 
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -35,7 +36,8 @@ class Robots(Model):
     sight: NonNegative = 1.0
     """How far a robot sees other bodies [m]."""
     avoid: bool = False
-    """Keep off the bodies in sight, in plans and by a last filter on commands."""
+    """Keep off the bodies in sight, in plans and by a last filter on commands; slots are no faster than lets stop in
+    time behind a robot that stops at once."""
 
 
 class Noise(Model):
@@ -49,3 +51,9 @@ class Noise(Model):
     """Error of the measured x and y [m]."""
     heading: NonNegative = 0.0
     """Error of the measured heading [rad]."""
+
+    def also_in(self, bodies: Bodies) -> list[str]:
+        """The keys that are set here and in [bodies]."""
+        sensor = bodies.localisation
+        there = {"slip": bodies.slip, "gyro": bodies.gyro, "position": sensor.position, "heading": sensor.heading}
+        return [key for key, value in there.items() if value and getattr(self, key)]

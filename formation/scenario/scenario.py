@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from formation.arrays import FloatArray, frozen
 from formation.bodies.nominal import Nominal, nominal
 from formation.bodies.spec import Bodies
+from formation.clear.stopping import top_speed
 from formation.disturbances import Disturbance, robots_missing
 from formation.driving.law import Law, at_rest, law_of
 from formation.driving.reference import DrivenReference
@@ -100,20 +101,15 @@ class Scenario(Model):
                 "controller.prediction_interval: expected a whole number of control intervals "
                 f"({self.control_interval:g} s); got {self.controller.prediction_interval:g}"
             )
-        if self.duration / self.control_interval > MAX_TICKS:
-            raise ValueError(
-                f"duration: expected at most {MAX_TICKS * self.control_interval:g} s at this control_interval; "
-                f"got {self.duration:g}"
-            )
+        most = MAX_TICKS * self.control_interval
+        if self.duration > most:
+            raise ValueError(f"duration: expected at most {most:g} s at this control_interval; got {self.duration:g}")
         for index, fault in enumerate(self.faults):
             try:
                 links_named(fault.link, self.size, both=self.controller.uses_downstream, driven=self.driven)
             except FaultError as error:
                 raise ValueError(f"faults[{index}].link: {error}") from None
-        noise, own, sensor = self.noise, self.bodies, self.bodies.localisation
-        there = {"slip": own.slip, "gyro": own.gyro, "position": sensor.position, "heading": sensor.heading}
-        twice = [key for key, value in there.items() if value and getattr(noise, key)]
-        if twice:
+        if twice := self.noise.also_in(self.bodies):
             raise ValueError(f"noise: expected {', '.join(twice)} either here or in bodies; got both")
         nominal(self.body, self.control_interval)
         self.estimator.ticks_late(self.control_interval)
@@ -185,8 +181,7 @@ class Scenario(Model):
     def law(self) -> Law:
         """How the centre of a driven formation answers to orders."""
         assert isinstance(self.path, Driven)
-        limits = self.robots.limits.v, self.robots.limits.omega
-        return law_of(self.path, self.formation, limits, self.offsets.reach, self.control_interval)
+        return law_of(self.path, self.formation, *self._limits, self.offsets.reach, self.control_interval)
 
     def driving(self, robots: Iterable[int] | None = None) -> DrivenReference:
         """The reference of these robots, or of all, along a driven path before any order."""
@@ -259,7 +254,7 @@ class Scenario(Model):
     @cached_property
     def _schedule(self) -> Schedule:
         """Of all robots, in every reference."""
-        return Schedule(self._motion(rounded=True), self._limits, self.control_interval)
+        return Schedule(self._motion(rounded=True), np.array(self._limits), self.control_interval)
 
     @cached_property
     def _found(self) -> tuple[dict[float, list[Turn]], dict[bool, Course]]:
@@ -274,9 +269,13 @@ class Scenario(Model):
             found[reach] = tight_turns(self.path, reach=reach, interval=interval, step=step, until=self._examined)
         return found[reach]
 
-    @property
-    def _limits(self) -> FloatArray:
-        return np.array([self.robots.limits.v, self.robots.limits.omega])
+    @cached_property
+    def _limits(self) -> tuple[float, float]:
+        """Of what slots may ask for, v and omega; robots that keep off each other can stop in time [m/s, rad/s]."""
+        v, omega = self.robots.limits.v, self.robots.limits.omega
+        if self.robots.avoid:
+            v = top_speed(v, self.spacing, self.bodies.radii(self.size), self.nominal, self.control_interval)
+        return v, omega
 
     @property
     def _examined(self) -> float:
@@ -288,9 +287,10 @@ class Scenario(Model):
     def feasibility(self) -> Feasibility:
         """Whether the robots can follow the reference, slot by slot, and where not; orders are within what they can."""
         if self.driven:
-            return unexamined(self.size, (self.robots.limits.v, self.robots.limits.omega), self.offsets.reach)
+            return unexamined(self.size, self._limits, self.offsets.reach)
         motion, turns = self._motion(rounded=True), self._turns(self.offsets.reach)
-        return examine(motion, self._schedule, self._limits, turns, until=self._examined, duration=self.duration)
+        found = examine(motion, self._schedule, self._limits, turns, until=self._examined, duration=self.duration)
+        return found._replace(stops=self._limits[0] < self.robots.limits.v)
 
     def start_poses(self) -> FloatArray:
         """Poses (n, 3) at t = 0, with start noise drawn from the seed [m, m, rad]."""

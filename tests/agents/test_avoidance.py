@@ -15,7 +15,7 @@ from formation.arrays import FloatArray
 from formation.scenario.files import load
 from formation.scenario.scenario import Scenario
 from network.messages import WORLD, Tick
-from runtime.inprocess import Simulation
+from runtime.inprocess import Simulation, simulate
 from world.sight import CROWD, Sight
 from world.world import World
 
@@ -73,6 +73,15 @@ def test_a_robot_stops_before_one_that_stands(preset: str, v: float) -> None:
         pose = unicycle.step(*pose, wheel, 0.0, DT)
         least = min(least, abs(obstacle - pose[0]) - touch)
     assert least > 0.0
+
+
+@pytest.mark.parametrize("preset", ["camera", "rough", "duckiebot"])
+@pytest.mark.parametrize("robot", [1, 2, 3, 4])
+def test_nobody_hits_a_robot_of_the_formation_that_stops_at_once(preset: str, robot: int) -> None:
+    """It is stuck from one tick to the next, in front of one whose commands act later."""
+    stuck = {"robot": robot, "at": 4.0, "until": 8.0, "drive": 0.0}
+    given = {"bodies": {"preset": preset}, "duration": 8.0, "robots": {"avoid": True}, "disturbances": [stuck]}
+    assert simulate(load("square-figure8", given))["contacts"] == 0
 
 
 def test_a_stuck_robot_whose_wheels_turn_gives_no_more_than_would_be_good_if_it_came_free() -> None:
@@ -148,7 +157,7 @@ def outcome(name: str, **overrides: Any) -> tuple[int, float, Any]:
 @pytest.mark.parametrize("preset", ["ideal", "mocap", "epuck"])
 def test_a_formation_in_order_drives_as_without_the_filter(preset: str) -> None:
     start = {"duration": 8.0, "bodies": {"preset": preset}, "controller": {"plan_every": 4}}
-    summaries = [outcome("square-figure8", robots={"avoid": avoid}, **start)[2] for avoid in (True, False)]
+    summaries = [outcome("triangle-circle", robots={"avoid": avoid}, **start)[2] for avoid in (True, False)]
     assert len({summary["trajectory_sha256"] for summary in summaries}) == 1
 
 

@@ -27,6 +27,7 @@ from agents.kernels.nearby.sight import (
 )
 from agents.kernels.unicycle import wrap
 from formation.arrays import FloatArray
+from formation.clear.stopping import ENDLESS, RESPONSE, stopping_speed
 
 ASIDE = 0.1
 """A body whose bearing has no larger sine is straight ahead; everybody passes it on the right."""
@@ -38,8 +39,6 @@ CLEAR = 0.3
 """It goes on round the body until its commands have been free for so long [s]."""
 CUT = 0.3
 """Share of a command that has to be cut for that."""
-RESPONSE = 0.1
-"""Time in which closing speeds fade, beyond the delay of commands [s]."""
 SOON = 0.05
 """Time in which the wheels shall have the speed that is wanted [s]."""
 MOVING = 0.02
@@ -50,16 +49,7 @@ TURN = 3.0
 """Turn rate by heading error on the way round [1/s]."""
 CLOSE_IN = 0.05
 """Behind a body that leaves, a robot that is astray may be faster by so much in any case [m/s]."""
-ENDLESS = 1e6
-"""Wheels that can change their speed faster have no limit [m/s2]."""
-
-
-@kernel
-def _allowed(gap: float, react: float, brake: float) -> float:
-    """The closing speed from which one stops within gap [m]: s react + s^2 / (2 brake) = gap; below 0 if gap is."""
-    if gap <= 0.0 or brake > ENDLESS:
-        return gap / react
-    return brake * (math.sqrt(react * react + 2.0 * gap / brake) - react)
+_allowed = kernel(stopping_speed)
 
 
 @kernel

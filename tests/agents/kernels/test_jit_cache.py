@@ -30,8 +30,8 @@ def checkout(folder: Path) -> Path:
         (folder / part).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / part, folder / part)
     shutil.copyfile(ROOT / "agents/kernels/jit_cache.py", folder / "agents/kernels/jit_cache.py")
-    (folder / "formation").mkdir()
-    for name in ("__init__", "errors", "unicycle"):
+    (folder / "formation/clear").mkdir(parents=True)
+    for name in ("__init__", "errors", "unicycle", "clear/stopping"):
         shutil.copyfile(ROOT / f"formation/{name}.py", folder / f"formation/{name}.py")
     (folder / "agents/kernels/tiny.py").write_text(KERNEL)
     return folder
@@ -51,9 +51,10 @@ def test_kernels_of_one_checkout_serve_every_other_one(tmp_path: Path) -> None:
     assert run(there, cache) == ["42.0", "1"]
     (there / "agents/kernels/tiny.py").write_text(KERNEL.replace("2.0 * x", "3.0 * x"))
     assert run(there, cache) == ["63.0", "0"]
-    called = there / "formation/unicycle.py"
-    called.write_text(called.read_text() + "# a change in what kernels call\n")
-    assert run(there, cache) == ["63.0", "0"]
+    for name in ("unicycle", "clear/stopping"):
+        called = there / f"formation/{name}.py"
+        called.write_text(called.read_text() + "# a change in what kernels call\n")
+        assert run(there, cache) == ["63.0", "0"]
 
 
 def test_what_cannot_be_written_is_copied_to_a_private_folder_and_loaded_there(tmp_path: Path) -> None:

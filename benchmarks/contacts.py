@@ -101,7 +101,7 @@ def scenario_of(case: Case, arm: str, duration: float = DURATION) -> Scenario:
     return load(case.scenario, raw)
 
 
-def trial(case: Case, arm: str, duration: float) -> dict[str, Any]:
+def trial(case: Case, arm: str, duration: float = DURATION) -> dict[str, Any]:
     """Simulate one run."""
     row = {"arm": arm, **case._asdict(), "duration_s": duration}
     try:

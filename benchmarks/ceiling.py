@@ -23,6 +23,7 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import msgpack
 
@@ -110,12 +111,8 @@ def steps(robots: int) -> tuple[dict[str, int], dict[str, float]]:
         found[f"encode {name}"] = _timed(partial(encode, message))
         found[f"unpack {name}"] = _timed(partial(_unpack, payload))
         found[f"check {name}"] = _timed(partial(decode, kind, payload)) - found[f"unpack {name}"]
-    began = time.process_time()
-    for _ in range(PART_TICKS):
-        simulation.step()
-    whole = 1e6 * (time.process_time() - began) / PART_TICKS
-    found[AGENT] = solving = _agent_steps(simulation)
-    found[WORLD] = whole - robots * solving
+    whole, found[WORLD] = _tick(simulation)
+    found[AGENT] = (whole - found[WORLD]) / robots
     return sizes, found
 
 
@@ -126,24 +123,25 @@ def work_of(parts: dict[str, float], robots: int) -> bare.Work:
     return bare.Work(1e-6 * sum(parts[name] for name in agent), 1e-6 * (parts["encode Tick"] + answers + parts[WORLD]))
 
 
-def _agent_steps(simulation: Simulation) -> float:
-    """Of one agent's step [us], while the simulation goes on."""
-    spent = 0.0
-    agent = simulation.agents[1]
-    call = agent.step
+def _tick(simulation: Simulation) -> tuple[float, float]:
+    """Processor time of a tick, and what of it is the world's [us]."""
+    spent, world = 0.0, simulation.world
 
-    def timed(tick: Any) -> Any:
-        nonlocal spent
-        began = time.process_time()
-        found = call(tick)
-        spent += time.process_time() - began
-        return found
+    def timed(call: Callable[..., Any]) -> Callable[..., Any]:
+        def measured(*arguments: Any) -> Any:
+            nonlocal spent
+            began = time.process_time()
+            found = call(*arguments)
+            spent += time.process_time() - began
+            return found
 
-    agent.step = timed  # type: ignore[method-assign]
-    for _ in range(PART_TICKS):
-        simulation.step()
-    agent.step = call  # type: ignore[method-assign]
-    return 1e6 * spent / PART_TICKS
+        return measured
+
+    began = time.process_time()
+    with patch.object(world, "tick", timed(world.tick)), patch.object(world, "advance", timed(world.advance)):
+        for _ in range(PART_TICKS):
+            simulation.step()
+    return 1e6 * (time.process_time() - began) / PART_TICKS, 1e6 * spent / PART_TICKS
 
 
 def _unpack(payload: bytes) -> object:

@@ -19,16 +19,12 @@ from agents.controllers.interface import NeighborEstimate, Observation, Solution
 from agents.controllers.task import Task
 from agents.controllers.waiting import Waiting
 from agents.kernels import waiting_state
-from agents.kernels.best_response import plan_response, planner
+from agents.kernels.best_response import plan_response
+from agents.kernels.planner import planner
 from agents.kernels.response import lag_of
 from agents.kernels.waiting import FRESH
-from agents.kernels.window.state import LEVELS
 from formation.arrays import FloatArray
 from network.values import NO_NEWS
-
-MOST_NOISE = 0.25 * LEVELS[1]
-"""Largest noise of a drift across the heading that is believed in [m/s]: just after the filter has detected a
-disturbance its standard deviation is large, and then the drift is to be believed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,10 +104,11 @@ class BestResponse:
             _,
             _,
         ) = observation
-        task, at, (real, whole) = self._task, 0.0, self._memory
+        task, at, (real, whole) = self._task, float(k), self._memory
         block, row = task.begin(k)
-        table_slots, table_inputs, first = block.slots, block.inputs, block.first
-        if attends:
+        slots, inputs = block.slots, block.inputs
+        table_slots, table_inputs, first = slots, inputs, block.first
+        if attends and (task.lag != 0.0 or task.pace != 1.0):
             at = max(k - (task.lag + (1.0 - task.pace) * self._step) / task.tick, 0.0)
             table_slots, table_inputs, first = task.table(math.floor(at + 1e-9))
         if lag != self._motor_lag:
@@ -127,8 +124,8 @@ class BestResponse:
             real,
             whole,
             self._planner,
-            block.slots,
-            block.inputs,
+            slots,
+            inputs,
             row,
             task.lag,
             task.pace,
@@ -143,7 +140,7 @@ class BestResponse:
             pose,
             speed,
             disturbance,
-            min(noise, MOST_NOISE),
+            noise,
             covariance,
             rejected,
             gap,

@@ -6,9 +6,6 @@ and then what the plan says of waiting (agents/kernels/waiting.py).
 """
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from agents.kernels.attend import attend, trust_in
 from agents.kernels.drifting import believed, between, turned
@@ -23,59 +20,38 @@ from agents.kernels.jit import (
     VECTOR_OUT,
     WHOLE,
     WHOLE_VECTOR_OUT,
+    entry_for,
     kernel,
-    kernel_for,
     several,
 )
 from agents.kernels.nearby.separation import ROOM, astray, caution, courses, met
+from agents.kernels.planner import (
+    BEGUN,
+    INTERVAL,
+    SOURCES,
+    SPACING,
+    SQUARE,
+    STEP,
+    STRIDE,
+    TICK,
+    TRUST_TIME,
+    WEIGHT,
+    planner_of,
+)
 from agents.kernels.response import Lag, Stage, Targets, respond
-from agents.kernels.unicycle import sample, shift, step
-from agents.kernels.views import shaped
+from agents.kernels.unicycle import sample_inputs, sample_slots, shift, step
 from agents.kernels.waiting import honest, known, remember
 from agents.kernels.waiting_state import LAG, PACE, RATE, WAITS, wait_of
+from agents.kernels.window.state import LEVELS
 from formation.arrays import FloatArray, IntArray
 
 OWN, UPSTREAM, DOWNSTREAM = 0, 1, 3
 """Columns of the reference over the horizon."""
 SHARED = 0.25
 """Weight of the own slot while neighbours are trusted, as a share of that without."""
-WEIGHT, SQUARE, SPACING, SOURCES, TRUST_TIME, STEP, TICK, INTERVAL, STRIDE, BEGUN = range(10)
-"""Constants of a planner: S_0, spacing squared [m2] and spacing [m], neighbours whose plans are heard, time constant of
-trust in a plan, time from one plan to the next, tick, Delta_T [s]; Delta_T in ticks; 1 once there is a last plan."""
-WORK_COLUMNS = 24
-
-
-class Planner(NamedTuple):
-    """What one robot plans with: constants of its cost, and its last plan."""
-
-    constants: FloatArray
-    """(10,) see WEIGHT."""
-    costs: FloatArray
-    limits: FloatArray
-    """(2,) see response.Stage."""
-    last: FloatArray
-    """(N, 2) inputs of the last plan [m/s, rad/s]."""
-    work: FloatArray
-    """(N + 1, WORK_COLUMNS) scratch."""
-
-
-@kernel
-def planner_of(flat: FloatArray, steps: int) -> Planner:
-    """The planner that lies in one array, as views of it: compiled code takes that array."""
-    return Planner(
-        shaped(flat, 0, (10,)),
-        shaped(flat, 10, (2,)),
-        shaped(flat, 12, (2,)),
-        shaped(flat, 14, (steps, 2)),
-        shaped(flat, 14 + 2 * steps, (steps + 1, WORK_COLUMNS)),
-    )
-
-
-def planner(constants: tuple[float, ...], costs: tuple[float, float], limits: FloatArray, steps: int) -> FloatArray:
-    """A planner that has not planned yet; constants WEIGHT to STRIDE, the rest as in Planner."""
-    flat = np.zeros(14 + 2 * steps + (steps + 1) * WORK_COLUMNS)
-    flat[:14] = *constants, 0.0, *costs, *limits
-    return flat
+MOST_NOISE = 0.25 * LEVELS[1]
+"""Largest noise of a drift across the heading that is believed in [m/s]: just after the filter has detected a
+disturbance its standard deviation is large, and then the drift is to be believed."""
 
 
 @kernel
@@ -121,7 +97,7 @@ def _held(nominal: FloatArray, limits: FloatArray, inputs: FloatArray, motion: F
             inputs[j, c] = motion[j, c] = value
 
 
-@kernel_for(
+@entry_for(
     several(FLAG, REAL, REAL, FLAG, FLAG, REAL, FLAG, WHOLE),
     *(VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, TABLE, TABLE, REAL, REAL, REAL),
     *(FLAG, FLAG, WHOLE, TABLE, TABLE, WHOLE, REAL),
@@ -180,7 +156,7 @@ def plan_response(
 
     Args:
         real, whole: its waiting, see waiting_state.FlatWait; changed.
-        own_planner: see Planner; changed.
+        own_planner: see planner.Planner; changed.
         ahead_slots, ahead_inputs, row: tables (T, 4, 3), (T, 4, 2) of the reference and where the horizon begins in
             them, see unicycle.sample; columns as in controllers.task.HorizonReference.
         lag, pace: of the reference time over the horizon [s].
@@ -243,34 +219,35 @@ def plan_response(
     sources = max(constants[SOURCES], 1.0)
     trust = f / sources + g / sources
     place = constants[WEIGHT] * (SHARED + (1.0 - trust) * (1.0 - SHARED)) / constants[SQUARE]
-    slots, inputs = np.empty((steps + 1, 4, 3)), np.empty((steps, 4, 2))
-    sample(ahead_slots, ahead_inputs, row, constants[STRIDE], pace, slots, inputs)
-    own, targets, nominal = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 2))
-    for j in range(steps + 1):
-        own[j, 0], own[j, 1], own[j, 2] = slots[j, OWN, 0], slots[j, OWN, 1], slots[j, OWN, 2]
-    for j in range(steps):
-        for c in range(2):
-            targets[j, c] = nominal[j, c] = inputs[j, OWN, c]
+    own, targets, nominal, other = plans.own, plans.targets, plans.nominal, plans.other
+    direction, error, edge, drift, start = plans.direction, plans.error, plans.edge, plans.drift, plans.start
+    stride = constants[STRIDE]
+    sample_slots(ahead_slots, row, stride, pace, OWN, own)
+    sample_inputs(ahead_inputs, row, stride, pace, OWN, targets)
     if constants[BEGUN] == 1.0:
         shift(plans.last, constants[STEP], interval, targets, nominal)
-    direction, error = np.zeros((2, steps + 1, 2)), np.zeros((2, steps + 1))
-    edge, drift, start = np.empty(2), np.empty(2), np.empty(5)
+    else:
+        for j in range(steps):
+            nominal[j, 0], nominal[j, 1] = targets[j, 0], targets[j, 1]
     edge[0], edge[1] = f * constants[WEIGHT] / constants[SQUARE], g * constants[WEIGHT] / constants[SQUARE]
     if edge[0] > 0.0:
-        errors_along(up_pose, up_inputs, up_drift, slots[:, UPSTREAM], own, interval, direction[0], error[0])
+        sample_slots(ahead_slots, row, stride, pace, UPSTREAM, other)
+        errors_along(up_pose, up_inputs, up_drift, other, own, interval, direction[0], error[0])
     if edge[1] > 0.0:
-        errors_along(down_pose, down_inputs, down_drift, slots[:, DOWNSTREAM], own, interval, direction[1], error[1])
-    lateral, theta = believed(disturbance[1], noise), pose[2]
-    drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
-    if lateral != 0.0:
-        turned(own, targets, lateral)
+        sample_slots(ahead_slots, row, stride, pace, DOWNSTREAM, other)
+        errors_along(down_pose, down_inputs, down_drift, other, own, interval, direction[1], error[1])
     start[0], start[1], start[2] = pose[0], pose[1], pose[2]
     start[3], start[4] = speed[0] + disturbance[0], speed[1] + disturbance[2]
     far = max(astray(own[0], pose, constants[SPACING]), met(bodies, pose, start[3])) if len(bodies) > 0 else 0.0
-    costs = np.array([plans.costs[0] * (1.0 + caution(bodies, pose, far)), plans.costs[1]])
-    goals = Targets(own, targets, direction, error, drift, courses(bodies, slots[:, OWN, 2], far, interval))
+    plans.prices[0], plans.prices[1] = plans.costs[0] * (1.0 + caution(bodies, pose, far)), plans.costs[1]
+    foreseen = courses(bodies, own[:, 2], far, interval)
+    lateral, theta = believed(disturbance[1], min(noise, MOST_NOISE)), pose[2]
+    drift[0], drift[1] = -lateral * math.sin(theta), lateral * math.cos(theta)
+    if lateral != 0.0:
+        turned(own, targets, lateral)
+    goals = Targets(own, targets, direction, error, drift, foreseen)
     room = ROOM * constants[WEIGHT] / constants[SQUARE]
-    stage = Stage(place, edge, 1.0, costs, plans.limits, room)
+    stage = Stage(place, edge, 1.0, plans.prices, plans.limits, room)
     commanded, motion = out[0], out[1]
     change = respond(start, nominal, goals, stage, Lag(keep, blend), interval, plans.work, commanded, motion)
     converged = math.isfinite(change)

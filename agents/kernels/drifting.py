@@ -14,6 +14,7 @@ from agents.kernels.jit import (
     VECTOR,
     VECTOR_OUT,
     WHOLE,
+    entry_for,
     kernel,
     kernel_for,
 )
@@ -102,9 +103,7 @@ def carry(
     shift(inputs, max(elapsed, 0.0), interval, tail, out_inputs)
 
 
-@kernel_for(
-    NOTHING, *(VECTOR, MATRIX, VECTOR, REAL, REAL), *(TABLE, REAL, REAL, REAL, WHOLE), *(VECTOR_OUT, MATRIX_OUT)
-)
+@entry_for(NOTHING, *(VECTOR, MATRIX, VECTOR, REAL, REAL), *(TABLE, REAL, REAL, REAL, WHOLE), *(VECTOR_OUT, MATRIX_OUT))
 def carry_along(
     pose: FloatArray,
     inputs: FloatArray,

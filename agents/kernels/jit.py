@@ -2,8 +2,9 @@
 
 agents/kernels/jit_cache.py says where the result is kept. Arguments of a kernel that Python calls are single arrays and
 numbers: an array costs 0.13 us per call, a number 0.05 us, one in a NamedTuple 0.3 us, and its arrays must not be
-read-only. A state of many arrays therefore lies in one or two flat ones, of which the kernel makes a NamedTuple of
-views (`window.state.window_of`); callers group other arguments in NamedTuples and pass `*task`.
+read-only. With `entry_for` it is half of that, and arrays may be read-only. A state of many arrays therefore lies in
+one or two flat ones, of which the kernel makes a NamedTuple of views (`window.state.window_of`); callers group other
+arguments in NamedTuples and pass `*task`.
 """
 
 import hashlib
@@ -120,6 +121,27 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
 def kernel_for(result: Any, *arguments: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Decorator for a function that Python calls: compiled, or loaded from the cache, on import."""
     return lambda function: _compile(function, result(*arguments))
+
+
+CHECKED: dict[Callable[..., Any], Callable[..., Any]] = {}
+"""Of each function that `entry_for` has made, the same as `kernel_for` makes it: it refuses wrong arguments."""
+
+
+def entry_for(result: Any, *arguments: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The same for a function that Python calls at every tick, and no kernel: called without numba's dispatcher.
+
+    That looks at each argument to choose among versions, of which there is one, and takes half of the time of a call.
+    Without it nobody sees a wrong argument: arrays must be of the declared numbers, and contiguous where it says so.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        chooser: Any = _compile(function, result(*arguments))
+        (version,) = chooser.overloads.values()
+        entry: Callable[..., Any] = version.entry_point
+        CHECKED[entry] = chooser
+        return entry
+
+    return decorate
 
 
 def named(kind: type[tuple[Any, ...]], *fields: Any) -> Any:

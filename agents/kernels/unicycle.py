@@ -116,6 +116,16 @@ def _input(inputs: FloatArray, k: int, part: float, i: int, c: int) -> float:
     return float((1.0 - part) * inputs[k, i, c] + part * inputs[k + 1, i, c])
 
 
+@kernel
+def _slot(slots: FloatArray, k: int, part: float, i: int) -> tuple[float, float, float]:
+    """Slot i of a table (T, n, 3), `part` of the way from row k to the next."""
+    x, y, theta = slots[k, i, 0], slots[k, i, 1], slots[k, i, 2]
+    if part < 1e-9:
+        return x, y, theta
+    x, y = (1.0 - part) * x + part * slots[k + 1, i, 0], (1.0 - part) * y + part * slots[k + 1, i, 1]
+    return x, y, theta + part * wrap(slots[k + 1, i, 2] - theta)
+
+
 @kernel_for(NOTHING, TABLE, TABLE, REAL, REAL, REAL, TABLE_OUT, TABLE_OUT)
 def sample(
     slots: FloatArray,
@@ -141,16 +151,20 @@ def sample(
         k = min(int(at + 1e-9), len(slots) - 2)
         part = max(at - k, 0.0)
         for i in range(slots.shape[1]):
-            if part < 1e-9:
-                for c in range(3):  # a slice each would take longer than all the rest
-                    out_slots[j, i, c] = slots[k, i, c]
-            else:
-                for c in range(2):
-                    out_slots[j, i, c] = (1.0 - part) * slots[k, i, c] + part * slots[k + 1, i, c]
-                out_slots[j, i, 2] = slots[k, i, 2] + part * wrap(slots[k + 1, i, 2] - slots[k, i, 2])
+            out_slots[j, i, 0], out_slots[j, i, 1], out_slots[j, i, 2] = _slot(slots, k, part, i)
             if j < len(out_inputs):
                 for c in range(2):
                     out_inputs[j, i, c] = pace * _input(inputs, k, part, i, c)
+
+
+@kernel
+def sample_slots(slots: FloatArray, row: float, stride: float, pace: float, column: int, out: FloatArray) -> None:
+    """The slots, out (N + 1, 3), that `sample` gives of one column."""
+    for j in range(len(out)):
+        at = row + j * stride * pace
+        k = min(int(at + 1e-9), len(slots) - 2)
+        part = max(at - k, 0.0)
+        out[j, 0], out[j, 1], out[j, 2] = _slot(slots, k, part, column)
 
 
 @kernel

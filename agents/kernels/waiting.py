@@ -90,7 +90,8 @@ def merge(w: Wait, news: FloatArray) -> None:
     for i in range(len(news)):
         q = int(news[i, 0])
         if 0 <= q < len(w.news) and news[i, 3] > w.news[q, 2]:
-            w.news[q] = news[i, 1:]
+            for c in range(3):
+                w.news[q, c] = news[i, 1 + c]
 
 
 @kernel
@@ -269,6 +270,7 @@ def known(w: Wait, out: FloatArray) -> int:
     for q in range(len(w.news)):
         if w.news[q, 2] >= 0.0:
             out[count, 0] = q
-            out[count, 1:] = w.news[q]
+            for c in range(3):
+                out[count, 1 + c] = w.news[q, c]
             count += 1
     return count

@@ -53,10 +53,12 @@ class OwnBodies:
     def measure(self) -> Measured | None:
         """What sensors deliver at this tick: poses (n, 3), nothing, or a Measured."""
         found = self._call(self._own.measure)
-        if isinstance(found, Measured) and self._closed:
-            return replace(found, relatives=NO_PLACES)
-        if found is None or isinstance(found, Measured):
-            return found
+        if found is None:
+            return None
+        if isinstance(found, Measured):
+            relatives = NO_PLACES if self._closed else found.relatives
+            seen: Measured = self._call(lambda: replace(found, poses=frozen(found.poses), relatives=frozen(relatives)))
+            return seen
         robots = list(range(1, self._size + 1))
         return Measured(self._k, self._array("what measure returns", found, 3), robots, NO_PLACES)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from agents.kernels.drifting import between
-from agents.kernels.jit import MATRIX, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
+from agents.kernels.jit import MATRIX, REAL, VECTOR, VECTOR_OUT, WHOLE, entry_for, kernel
 from agents.kernels.nearby.sight import (
     BLOCKED,
     DT,
@@ -106,7 +106,7 @@ def _side(body: FloatArray, sign: float, nx: float, ny: float, c: float, s: floa
     return 1.0 if sign * (ny * c - nx * s) > -ASIDE else -1.0
 
 
-@kernel_for(
+@entry_for(
     WHOLE,
     *(MATRIX, MATRIX, VECTOR_OUT, MATRIX, VECTOR, WHOLE, WHOLE),
     *(MATRIX, WHOLE, REAL, VECTOR, REAL, VECTOR_OUT),

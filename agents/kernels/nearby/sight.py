@@ -6,7 +6,7 @@ Where the wheels slip, the frame slides: what stands then moves in it by minus t
 import math
 
 from agents.kernels.drifting import between
-from agents.kernels.jit import MATRIX, MATRIX_OUT, NOTHING, REAL, VECTOR, VECTOR_OUT, WHOLE, kernel, kernel_for
+from agents.kernels.jit import MATRIX, MATRIX_OUT, NOTHING, REAL, VECTOR, VECTOR_OUT, WHOLE, entry_for, kernel
 from agents.kernels.unicycle import step
 from formation.arrays import FloatArray
 
@@ -41,7 +41,7 @@ def rate_of(time: float, dt: float) -> float:
     return 1.0 - math.exp(-dt / time) if time > 1e-6 else 1.0
 
 
-@kernel_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, REAL, REAL)
+@entry_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, REAL, REAL)
 def roll(
     own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, k: int, v: float, omega: float
 ) -> None:
@@ -56,7 +56,7 @@ def roll(
     memory[NEWEST], memory[SPEED] = k, v
 
 
-@kernel_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, MATRIX)
+@entry_for(NOTHING, MATRIX_OUT, MATRIX_OUT, VECTOR_OUT, VECTOR, WHOLE, MATRIX)
 def see(own: FloatArray, bodies: FloatArray, memory: FloatArray, law: FloatArray, at: int, places: FloatArray) -> None:
     """Bodies were at places (n, 2) in the own frame at tick `at` [m]; a row of zeros is not in sight.
 
@@ -145,9 +145,7 @@ def seen(body: FloatArray, law: FloatArray, k: int) -> bool:
     return bool(body[COUNT] > 0.0 and k - body[SEEN] <= law[KEPT])
 
 
-@kernel_for(
-    WHOLE, *(MATRIX, MATRIX, VECTOR, MATRIX, WHOLE), *(MATRIX, WHOLE, REAL, VECTOR, REAL), *(VECTOR, MATRIX_OUT)
-)
+@entry_for(WHOLE, *(MATRIX, MATRIX, VECTOR, MATRIX, WHOLE), *(MATRIX, WHOLE, REAL, VECTOR, REAL), *(VECTOR, MATRIX_OUT))
 def foresee(
     own: FloatArray,
     bodies: FloatArray,

@@ -16,8 +16,8 @@ from agents.kernels.jit import (
     VECTOR_OUT,
     WHOLE,
     WHOLE_VECTOR_OUT,
+    entry_for,
     kernel,
-    kernel_for,
     several,
 )
 from agents.kernels.learning import learn, motors_of
@@ -40,16 +40,18 @@ def _sense(w: Window, tick: int, located: bool, pose: FloatArray, related: bool,
     if tick < w.until[0] - LENGTH:
         return
     if located and tick >= w.localised_at[0, row]:
-        w.localised[0, row] = pose
+        for c in range(3):
+            w.localised[0, row, c] = pose[c]
         w.localised_at[0, row] = tick
         w.newest[0] = max(w.newest[0], tick)
     if related and tick >= w.related_at[0, row]:
-        w.related[0, row] = relative
+        for c in range(2):
+            w.related[0, row, c] = relative[c]
         w.related_at[0, row] = tick
         w.newest[0] = max(w.newest[0], tick)
 
 
-@kernel_for(
+@entry_for(
     FLAG,
     *(VECTOR_OUT, WHOLE_VECTOR_OUT, VECTOR_OUT, WHOLE, VECTOR, VECTOR, REAL, FLAG),
     *(WHOLE, FLAG, VECTOR, FLAG, VECTOR),
@@ -93,7 +95,7 @@ def roll(
     return learns and learn(motors_of(motors), k - 1, before, after, dt)
 
 
-@kernel_for(NOTHING, VECTOR_OUT, WHOLE_VECTOR_OUT, WHOLE, FLAG, VECTOR, FLAG, VECTOR)
+@entry_for(NOTHING, VECTOR_OUT, WHOLE_VECTOR_OUT, WHOLE, FLAG, VECTOR, FLAG, VECTOR)
 def sense(
     real: FloatArray,
     whole: IntArray,
@@ -110,7 +112,7 @@ def sense(
     _sense(window_of(real, whole), tick, located, pose, related, relative)
 
 
-@kernel_for(NOTHING, VECTOR_OUT, WHOLE_VECTOR_OUT, MATRIX, MATRIX, REAL)
+@entry_for(NOTHING, VECTOR_OUT, WHOLE_VECTOR_OUT, MATRIX, MATRIX, REAL)
 def take(real: FloatArray, whole: IntArray, odometry: FloatArray, rows: FloatArray, dt: float) -> None:
     """Take what the upstream neighbour's plan carries; see filter.hear."""
     hear(window_of(real, whole), odometry, rows, dt)
@@ -122,7 +124,7 @@ def _drift(lateral: float, pose: FloatArray, out: FloatArray) -> None:
     out[0], out[1] = -lateral * math.sin(pose[2]), lateral * math.cos(pose[2])
 
 
-@kernel_for(
+@entry_for(
     several(WHOLE, WHOLE, WHOLE),
     VECTOR_OUT,
     WHOLE_VECTOR_OUT,

@@ -25,9 +25,10 @@ from formation.scenario.registry import spec_of
 from formation.scenario.scenario import Scenario
 from network.link import Link
 from network.messages import Command, Plan, Status, Tick
-from network.values import NO_WAY, LinkCounts, maker
+from network.values import NO_WAY, LinkCounts, maker, tuple_maker
 
 _make_plan, _make_command = maker(Plan), maker(Command)
+_observe, _make_answer = tuple_maker(Observation), tuple_maker(Answer)
 
 
 class Agent:
@@ -71,9 +72,9 @@ class Agent:
         self._doubt = scenario.estimator.doubt if self._compensates else 0.0
         self._measurements: Link[Measurement] = Link(scenario.seed, LinkId.poses_to(robot))
         self._avoidance = Avoidance(scenario, robot, self._motors)
-        self._limits: tuple[float, float] = tuple(self._task.limits.tolist())
+        self._limits: list[float] = self._task.limits.tolist()
         self._speed: FloatArray = STILL
-        self._last: tuple[int, Solution, FloatArray, tuple[float, float]] | None = None
+        self._last: tuple[int, Solution, FloatArray, list[float]] | None = None
         self._failure = ""  # of a user's own controller: until a reset the robot stands, and publishes no plan
         self.observation: Observation | None = None  # what the controller was asked with last
         self._sending = Sending(own.send_when, scenario.spacing)
@@ -161,7 +162,7 @@ class Agent:
         self._motors.command(k, v, omega)
         good, off = self._converged, self._avoidance.who
         command = _make_command(self.robot, k, stamp, self.episode, v, omega, age, plan is not None, solve, good, off)
-        return Answer(command, plan)
+        return _make_answer(command, plan)
 
     def _stand(self, k: int, stamp: float, age: float) -> Answer:
         """Command zero, and publish nothing."""
@@ -197,7 +198,7 @@ class Agent:
         aged = belief.ahead(begins, at, task, 1) if self._ages else belief.as_if_fresh(*task.slot(at, 1))
         other = receivers[1].belief.ahead(begins, at, task, 3) if len(receivers) > 1 else None
         less, drift = (own.input_disturbance, own.drift) if self._compensates else (STILL, STILL)
-        observation = self.observation = Observation(
+        observation = self.observation = _observe(
             at,
             own.pose,
             self._sighted(aged) if estimator.sees else aged,
@@ -215,7 +216,7 @@ class Agent:
             avoidance.near(k, self._speed, own.pose, less, task.slot(at, 0)[0]) if avoidance.works else NOBODY,
         )
         solution = self._controller.plan(observation)
-        self._last = (k, solution, own.pose, tuple(less.tolist()))
+        self._last = (k, solution, own.pose, less.tolist())
         lost = task.first_lost if observation.lost else 0
         # By place, in the order of network.messages.Plan: by keywords it takes a microsecond more.
         return _make_plan(
@@ -249,11 +250,10 @@ class Agent:
     def _input(self, k: int) -> tuple[float, float]:
         """The command for tick k: the last plan's input, less what disturbs the robot, within the limits."""
         assert self._last is not None
-        made, solution, _, less = self._last
-        inputs = solution.inputs
+        made, solution, _, (less_v, less_omega) = self._last
+        inputs, (v_max, omega_max) = solution.inputs, self._limits
         j = min((k - made) // self._task.stride, len(inputs) - 1) if k > made else 0
-        (v, omega), (v_max, omega_max) = inputs[j].tolist(), self._limits
-        return within(v - less[0], v_max), within(omega - less[1], omega_max)
+        return within(inputs.item(j, 0) - less_v, v_max), within(inputs.item(j, 1) - less_omega, omega_max)
 
     def status(self, k: int, stamp: float, *, missed: int = 0, rejected: int = 0, pid: int = 0) -> Status:
         """Its Status at tick k, which it has just answered; the arguments are what only its process knows."""

@@ -12,6 +12,9 @@ from agents.controllers.task import Task
 from agents.kernels.drifting import carry, carry_along
 from formation.arrays import FloatArray
 from network.messages import Plan
+from network.values import tuple_maker
+
+_make_estimate = tuple_maker(NeighborEstimate)
 
 
 class Belief:
@@ -30,7 +33,10 @@ class Belief:
 
     def seconds_old(self, now: float) -> float:
         """Since the newest plan was sent [s]; since the start of the episode before the first."""
-        return max(0.0, now - self.plan.stamp) if self.plan else now
+        plan = self.plan
+        if plan is None:
+            return now
+        return now - plan.stamp if now > plan.stamp else 0.0
 
     def aged(self, at: float, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour at a time.
@@ -69,7 +75,7 @@ class Belief:
         (block, row), pose, inputs = task.begin(k), np.empty(3), np.empty((steps, 2))
         table, stride, pace = block.inputs, task.stride, task.pace
         carry_along(plan.pose, way, drift, elapsed, interval, table, row, stride, pace, column, pose, inputs)
-        return NeighborEstimate(pose, inputs, plan, elapsed if elapsed > 0.0 else 0.0, drift)
+        return _make_estimate(pose, inputs, plan, elapsed if elapsed > 0.0 else 0.0, drift)
 
     def as_if_fresh(self, slot: FloatArray, tail: FloatArray) -> NeighborEstimate:
         """The neighbour as in its newest plan, whatever the plan's age."""

@@ -14,7 +14,7 @@ from formation import unicycle
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import Plan, Tick
-from network.values import NO_MEASUREMENTS, NO_SUMS
+from network.values import NO_MEASUREMENTS, NO_SUMS, tuple_maker
 
 STILL, NONE, CERTAIN = np.zeros(2), np.zeros(3), np.zeros((3, 3))
 
@@ -30,12 +30,15 @@ class Measurement(NamedTuple):
     """(2,) position of the upstream neighbour in the own frame [m]."""
 
 
+_make_measurement = tuple_maker(Measurement)
+
+
 def measured(tick: Tick, row: int) -> Measurement:
     """What the sensors tell the robot of this row; they have measured."""
     assert tick.measured is not None
     delivers = len(tick.localised) == len(tick.poses) or row + 1 in tick.localised
     relative = tick.relatives[row] if len(tick.relatives) else None
-    return Measurement(tick.measured, tick.poses[row] if delivers else None, relative)
+    return _make_measurement(tick.measured, tick.poses[row] if delivers else None, relative)
 
 
 class Estimate(NamedTuple):

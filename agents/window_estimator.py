@@ -26,7 +26,9 @@ from agents.motor_model import MotorModel
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from network.values import NO_MEASUREMENTS, NO_SUMS
+from network.values import NO_MEASUREMENTS, NO_SUMS, tuple_maker
+
+_make_estimate = tuple_maker(Estimate)
 
 FAR, TURNED = 0.5, 1.0
 """Standard deviations of where a neighbour is believed to start if robots do not start in formation [m, rad]."""
@@ -96,9 +98,13 @@ class WindowEstimator:
             self._knows = False
             self.window.sums[0, 2] = k - 1
         learns, knows = self._rolled and motors.learns, self._knows
-        sensed = self._sensed(measurement) if measurement is not None and knows else UNMEASURED
-        real, whole = self.memory
-        if estimation.roll(real, whole, motors.memory, k, self._speed, speed, self._dt, learns, *sensed):
+        tick, located, pose, related, relative = (
+            self._sensed(measurement) if measurement is not None and knows else UNMEASURED
+        )
+        (real, whole), before, dt = self.memory, self._speed, self._dt
+        if estimation.roll(
+            real, whole, motors.memory, k, before, speed, dt, learns, tick, located, pose, related, relative
+        ):
             motors.learnt()
         self._begun, self._rolled, self._until, self._speed = True, True, k, speed
         if measurement is not None and not knows:
@@ -174,7 +180,7 @@ class WindowEstimator:
             rows,
         )
         self._odometry, self._rows = odometry, rows[:used] if hops else rows
-        return Estimate(
+        return _make_estimate(
             out[POSE],
             out[SPEED],
             out[TWIST],

@@ -24,7 +24,9 @@ from agents.kernels.planner import planner
 from agents.kernels.response import lag_of
 from agents.kernels.waiting import FRESH
 from formation.arrays import FloatArray
-from network.values import NO_NEWS
+from network.values import NO_NEWS, tuple_maker
+
+_make_solution = tuple_maker(Solution)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +81,7 @@ class BestResponse:
         _, lag, _, _, converged, rate, waits, known = found
         if waiting is None:
             return Solution(out[0], converged, motion=out[1])
-        return Solution(out[0], converged, lag, rate, waits, news[:known], out[1])
+        return _make_solution(out[0], converged, lag, rate, waits, news[:known], out[1])
 
     def _respond(
         self, observation: Observation, out: FloatArray, news: FloatArray, *, attends: bool, waits: bool

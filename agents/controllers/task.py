@@ -126,7 +126,7 @@ class Task:
 
     def table(self, k: int) -> Table:
         """The reference around tick k as compiled code takes it."""
-        block, known = self.reference.block(max(k, 0)), self._table
+        block, known = self.reference.block(k if k > 0 else 0), self._table
         if known is None or known[0] is not block:
             known = self._table = block, Table(block.slots, block.inputs, block.first)
         return known[1]

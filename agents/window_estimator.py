@@ -8,7 +8,6 @@ from agents.controllers.task import Task
 from agents.estimator import STILL, Estimate, Measurement
 from agents.kernels.window import estimation
 from agents.kernels.window.estimation import (
-    COVARIANCE,
     DISTURBANCE,
     DRIFT,
     DRIFT_SIGMA,
@@ -145,7 +144,7 @@ class WindowEstimator:
         task, motors, hops = self._task, self._motors, self.blocks - 1
         table = task.table(k)
         late = table if task.lag == 0.0 else task.table(math.floor(k - task.lag / self._dt))
-        out = self._results = np.empty(RESULTS)
+        out, covariance = np.empty(RESULTS), np.empty((3, 3))
         odometry, rows = (np.empty((hops, 4)), np.empty((hops * KEPT, COLUMNS))) if hops else NOT_PASSED
         begins, interval, inputs, twist, disturbance = SILENCE
         if heard is not None:
@@ -176,16 +175,17 @@ class WindowEstimator:
             self._ring,
             self._speed,
             out,
+            covariance,
             odometry,
             rows,
         )
-        self._odometry, self._rows = odometry, rows[:used] if hops else rows
+        self._results, self._odometry, self._rows = out, odometry, rows[:used] if hops else rows
         return _make_estimate(
             out[POSE],
             out[SPEED],
             out[TWIST],
             out[DISTURBANCE],
-            out[COVARIANCE].reshape(3, 3),
+            covariance,
             rejected,
             (k - self._late - alarm) * self._dt,
             out[INPUT_DISTURBANCE],

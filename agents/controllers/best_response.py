@@ -81,7 +81,7 @@ class BestResponse:
         _, lag, _, _, converged, rate, waits, known = found
         if waiting is None:
             return Solution(out[0], converged, motion=out[1])
-        return _make_solution(out[0], converged, lag, rate, waits, news[:known], out[1])
+        return _make_solution(out[0], converged, lag, rate, waits, news if known == len(news) else news[:known], out[1])
 
     def _respond(
         self, observation: Observation, out: FloatArray, news: FloatArray, *, attends: bool, waits: bool

@@ -97,10 +97,16 @@ WHOLE_VECTOR_OUT, WHOLE_MATRIX_OUT = numba.int64[::1], numba.int64[:, ::1]
 
 
 def _compile(
-    function: Callable[..., Any], signature: Any = None, inline: Literal["never", "always"] = "never"
+    function: Callable[..., Any],
+    signature: Any = None,
+    *,
+    inline: Literal["never", "always"] = "never",
+    short: bool = False,
 ) -> Callable[..., Any]:
     _OURS.add(function.__code__)
-    decorate: Callable[..., Any] = numba.njit(signature, cache=True, error_model="numpy", nogil=True, inline=inline)
+    decorate: Callable[..., Any] = numba.njit(
+        signature, cache=True, error_model="numpy", nogil=not short, inline=inline
+    )
     compiled_function: Callable[..., Any] = decorate(function)
     return compiled_function
 
@@ -132,10 +138,11 @@ def entry_for(result: Any, *arguments: Any) -> Callable[[Callable[..., Any]], Ca
 
     That looks at each argument to choose among versions, of which there is one, and takes half of the time of a call.
     Without it nobody sees a wrong argument: arrays must be of the declared numbers, and contiguous where it says so.
+    It keeps Python's lock: it takes microseconds, and who gets the lock meanwhile may keep it for milliseconds.
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        chooser: Any = _compile(function, result(*arguments))
+        chooser: Any = _compile(function, result(*arguments), short=True)
         (version,) = chooser.overloads.values()
         entry: Callable[..., Any] = version.entry_point
         CHECKED[entry] = chooser

@@ -27,9 +27,8 @@ from agents.kernels.window.state import DL, LENGTH, Window, tuning_of, window_of
 from formation.arrays import FloatArray, IntArray
 
 POSE, SPEED, TWIST, INPUT_DISTURBANCE, DRIFT = slice(0, 3), slice(3, 5), slice(5, 7), slice(7, 9), slice(9, 11)
-DISTURBANCE, COVARIANCE = slice(11, 14), slice(14, 23)
-NEIGHBOUR, NEIGHBOUR_DRIFT = slice(23, 26), slice(26, 28)
-DRIFT_SIGMA, RESULTS = 28, 29
+DISTURBANCE, NEIGHBOUR, NEIGHBOUR_DRIFT = slice(11, 14), slice(14, 17), slice(17, 19)
+DRIFT_SIGMA, RESULTS = 19, 20
 """Where `estimate` puts what agents.estimator.Estimate describes; pose and drift of the neighbour that is seen, and the
 standard deviation of the own d_l [m/s]. RESULTS is their number."""
 
@@ -134,7 +133,7 @@ def _drift(lateral: float, pose: FloatArray, out: FloatArray) -> None:
     REAL,
     *(REAL, REAL, MATRIX, VECTOR, VECTOR),
     *(WHOLE, WHOLE, REAL, WHOLE, WHOLE, VECTOR),
-    *(VECTOR_OUT, MATRIX_OUT, MATRIX_OUT),
+    *(VECTOR_OUT, MATRIX_OUT, MATRIX_OUT, MATRIX_OUT),
 )
 def estimate(
     real: FloatArray,
@@ -160,6 +159,7 @@ def estimate(
     ring: int,
     speed: FloatArray,
     out: FloatArray,
+    covariance: FloatArray,
     odometry: FloatArray,
     rows: FloatArray,
 ) -> tuple[int, int, int]:
@@ -180,6 +180,7 @@ def estimate(
         mode, ring: see filter.update.
         speed: (2,) of the wheels now [m/s, rad/s].
         out: (RESULTS,), result.
+        covariance: (3, 3), result: of the pose, see agents.estimator.Estimate.
         odometry: (H, 4), result: what Plan.odometry carries; H is 0 for a robot that passes nothing on.
         rows: (H * KEPT, COLUMNS), result: what Plan.measurements carries.
 
@@ -203,7 +204,7 @@ def estimate(
     _drift(m[DL], out[POSE], out[DRIFT])
     for a in range(3):
         for b in range(3):
-            out[COVARIANCE.start + 3 * a + b] = cov[a, b]
+            covariance[a, b] = cov[a, b]
     out[DRIFT_SIGMA] = math.sqrt(max(cov[DL, DL], 0.0))
     if len(w.until) > 1:
         neighbour_ahead(w, k + delay, table, plan, dt, out[NEIGHBOUR])

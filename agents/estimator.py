@@ -64,6 +64,10 @@ class Estimate(NamedTuple):
     """(2,) what it cannot, the lateral part in the world frame [m/s]."""
     drift_sigma: float
     """Standard deviation of the lateral part [m/s]."""
+    odometry: FloatArray
+    """(H, 4) what `Plan.odometry` carries."""
+    measurements: FloatArray
+    """(m, 9) what `Plan.measurements` carries."""
 
 
 class Estimator(Protocol):
@@ -99,14 +103,6 @@ class Estimator(Protocol):
 
         Pose (3,), and drift (2,) in the world frame [m/s].
         """
-        ...
-
-    def odometry(self) -> FloatArray:
-        """(H, 4) what `Plan.odometry` carries."""
-        ...
-
-    def measurements(self) -> FloatArray:
-        """(m, 9) what `Plan.measurements` carries."""
         ...
 
     def estimate(self, k: int, heard: Plan | None) -> Estimate | None:
@@ -157,16 +153,11 @@ class LatestPose:
                 v, omega = self._odometry[t % LENGTH]
                 x, y, theta = unicycle.step(x, y, theta, v, omega, self._dt)
             pose = np.array([x, y, theta])
-        return Estimate(pose, self._speed, self._speed, NONE, CERTAIN, 0, math.inf, STILL, STILL, 0.0)
+        speed, passed = self._speed, (NO_SUMS, NO_MEASUREMENTS)
+        return Estimate(pose, speed, speed, NONE, CERTAIN, 0, math.inf, STILL, STILL, 0.0, *passed)
 
     def hear(self, plan: Plan) -> None:
         """Nothing: it does not filter."""
 
     def neighbour(self) -> tuple[FloatArray, FloatArray]:
         raise NotImplementedError("expected an estimator that sees")
-
-    def odometry(self) -> FloatArray:
-        return NO_SUMS
-
-    def measurements(self) -> FloatArray:
-        return NO_MEASUREMENTS

@@ -25,7 +25,7 @@ from agents.motor_model import MotorModel
 from formation.arrays import FloatArray
 from formation.scenario.scenario import Scenario
 from network.messages import Plan
-from network.values import NO_MEASUREMENTS, NO_SUMS, tuple_maker
+from network.values import tuple_maker
 
 _make_estimate = tuple_maker(Estimate)
 
@@ -76,7 +76,6 @@ class WindowEstimator:
         self._begun, self._rolled, self._until = False, False, 0
         self._speed = STILL
         self._results = np.empty(RESULTS)
-        self._odometry, self._rows = NO_SUMS, NO_MEASUREMENTS
 
     @property
     def window(self) -> Window:
@@ -179,7 +178,7 @@ class WindowEstimator:
             odometry,
             rows,
         )
-        self._results, self._odometry, self._rows = out, odometry, rows[:used] if hops else rows
+        self._results = out
         return _make_estimate(
             out[POSE],
             out[SPEED],
@@ -190,7 +189,9 @@ class WindowEstimator:
             (k - self._late - alarm) * self._dt,
             out[INPUT_DISTURBANCE],
             out[DRIFT],
-            float(out[DRIFT_SIGMA]),
+            out.item(DRIFT_SIGMA),
+            odometry,
+            rows[:used] if hops else rows,
         )
 
     def neighbour(self) -> tuple[FloatArray, FloatArray]:
@@ -200,11 +201,3 @@ class WindowEstimator:
         """The upstream neighbour's measurements, from its newest plan."""
         if self.blocks > 1 and self._mode == HEARD and len(plan.odometry):
             estimation.take(*self.memory, plan.odometry, plan.measurements, self._dt)
-
-    def odometry(self) -> FloatArray:
-        """(H, 4) what `Plan.odometry` carries, as of the last `estimate`."""
-        return self._odometry
-
-    def measurements(self) -> FloatArray:
-        """(m, 9) what `Plan.measurements` carries, as of the last `estimate`."""
-        return self._rows

@@ -117,10 +117,9 @@ class WindowEstimator:
 
     def _sensed(self, measurement: Measurement) -> tuple[int, bool, FloatArray, bool, FloatArray]:
         """A measurement as compiled code takes it."""
-        pose, relative = measurement.pose, measurement.relative if self.sees else None
-        located = (False, NOWHERE) if pose is None else (True, pose)
-        related = (False, STILL) if relative is None else (True, relative)
-        return measurement.tick, *located, *related
+        tick, pose, relative = measurement
+        located, related = pose is not None, relative is not None and self.sees
+        return tick, located, NOWHERE if pose is None else pose, related, STILL if relative is None else relative
 
     def _begin(self, tick: int, pose: FloatArray) -> None:
         """The first localisation is where the filter starts."""

@@ -157,7 +157,7 @@ def outcome(name: str, **overrides: Any) -> tuple[int, float, Any]:
 @pytest.mark.parametrize("preset", ["ideal", "mocap", "epuck"])
 def test_a_formation_in_order_drives_as_without_the_filter(preset: str) -> None:
     start = {"duration": 8.0, "bodies": {"preset": preset}, "controller": {"plan_every": 4}}
-    summaries = [outcome("triangle-circle", robots={"avoid": avoid}, **start)[2] for avoid in (True, False)]
+    summaries = [outcome("follow-the-leader", robots={"avoid": avoid}, **start)[2] for avoid in (True, False)]
     assert len({summary["trajectory_sha256"] for summary in summaries}) == 1
 
 

@@ -47,8 +47,6 @@ ROOM, ROOM_TIME = 0.005, 0.2
 """What is kept beyond the margin on the way round [m], and how fast it is restored [s]."""
 TURN = 3.0
 """Turn rate by heading error on the way round [1/s]."""
-CLOSE_IN = 0.05
-"""Behind a body that leaves, a robot that is astray may be faster by so much in any case [m/s]."""
 _allowed = kernel(stopping_speed)
 
 
@@ -83,9 +81,10 @@ def _bounds(
         mine = total - closing
         if closing > 0.0:
             mine = max(mine, 0.5 * total)
-        elif far > 0.0 and total > 0.0 and brake < ENDLESS:  # who leaves may brake as hard as this robot can
+        elif far > 0.0 and total > 0.0 and brake < ENDLESS:
+            # Who leaves may brake as hard as this robot can; to be slower than it now asks too much.
             behind = _allowed(gap + closing * closing / (2.0 * brake), react, brake)
-            mine = min(mine, max(behind, CLOSE_IN - closing))
+            mine = min(mine, max(behind, -closing))
         if mine < 0.0:
             mine = max(mine, -RETREAT) if row > j else 0.0
         along = nx * c + ny * s

@@ -39,9 +39,9 @@ class PlanReceiver:
     def push(self, plan: Plan) -> None:
         """A plan came in physically; one that was there before is ignored."""
         if plan.seq > self.newest:
-            if self.newest >= 0:  # of what was sent before the first one nobody knows; there is one a tick at most
-                missing = min(plan.number - self._number, plan.seq - self.newest) - 1
-                self._missing += max(missing, 0)
+            sent = plan.number - self._number
+            if sent > 1 and self.newest >= 0:  # before the first nobody knows; one a tick is sent at most
+                self._missing += min(sent, plan.seq - self.newest) - 1
             self.newest, self._number = plan.seq, plan.number
             # Bursts are counted in messages, and there is one every plan_every ticks.
             self._link.push(plan.seq // self._every, plan.stamp, plan)

@@ -25,6 +25,8 @@ MEMORY = 4096
 
 T = TypeVar("T")
 _SEQ, _WORDS = struct.Struct("<q"), struct.Struct("<8Q")
+LOSS, JITTER, DUPLICATE, REORDER, CORRUPT, COPY_JITTER, PLACE, STATIONARY = range(8)
+"""Which of a message's random words decides what; `_uniform` makes a number in [0, 1) of one that a fault asks for."""
 
 
 class Arrival(NamedTuple, Generic[T]):
@@ -38,19 +40,6 @@ class Arrival(NamedTuple, Generic[T]):
     message: T
     damage: float | None
     """If not None, the message came with flipped bytes: those of `damaged(its bytes, damage)`."""
-
-
-class _Draws(NamedTuple):
-    """Random words for one message, of which `_uniform` makes numbers in [0, 1) where a fault asks for them."""
-
-    loss: int
-    jitter: int
-    duplicate: int
-    reorder: int
-    corrupt: int
-    copy_jitter: int
-    place: int
-    stationary: int
 
 
 class _Departure(NamedTuple):
@@ -108,6 +97,7 @@ class Link(Generic[T]):
     @fault.setter
     def fault(self, fault: Fault) -> None:
         self._fault = PERFECT if fault is PERFECT or fault == PERFECT else fault
+        self._bursts = 0.0 < fault.loss < 1.0 and fault.burst * (1.0 - fault.loss) > 1.0
         if fault.rate != self._rate and not self._heap:  # nothing waits; what waits is seen to when it is known when
             self._queue_anew(self._looked)
 
@@ -125,22 +115,20 @@ class Link(Generic[T]):
         if fault is PERFECT:
             self._carry(sent, 0.0, Arrival(seq, sent, sent, message, None))
             return
-        draws = self._draws(seq)
-        if fault.cut or self._is_lost(seq, draws):
-            self._lost += 1
-            return
-        departure = self._departure(sent) if fault.rate else sent
+        words = self._words(seq)
+        lost = fault.cut or (self._in_burst(seq) if self._bursts else _uniform(words[LOSS]) < fault.loss)
+        departure = None if lost else self._departure(sent) if fault.rate else sent
         if departure is None:
             self._lost += 1
             return
-        damage = _uniform(draws.place) if fault.corrupt and _uniform(draws.corrupt) < fault.corrupt else None
-        overtakes = fault.reorder and _uniform(draws.reorder) < fault.reorder
-        delay = 0.0 if overtakes else _delay(fault, draws.jitter)
+        damage = _uniform(words[PLACE]) if fault.corrupt and _uniform(words[CORRUPT]) < fault.corrupt else None
+        overtakes = fault.reorder and _uniform(words[REORDER]) < fault.reorder
+        delay = 0.0 if overtakes else _delay(fault, words[JITTER]) if fault.jitter else fault.latency
         arrival = Arrival(seq, sent, departure + delay, message, damage)
         self._carry(departure, delay, arrival)
-        if fault.duplicate and _uniform(draws.duplicate) < fault.duplicate:
+        if fault.duplicate and _uniform(words[DUPLICATE]) < fault.duplicate:
             self._duplicated += 1
-            self._carry(departure, _delay(fault, draws.copy_jitter), arrival)
+            self._carry(departure, _delay(fault, words[COPY_JITTER]), arrival)
 
     def pop(self, now: float) -> list[Arrival[T]]:
         """Everything that has arrived by `now` [s] and was not popped before, in the order of arrival."""
@@ -208,41 +196,37 @@ class Link(Generic[T]):
         self._free = departure + 1.0 / self._fault.rate
         return departure
 
-    def _is_lost(self, seq: int, draws: _Draws) -> bool:
-        loss, burst = self._fault.loss, self._fault.burst
-        if loss <= 0.0 or loss >= 1.0 or burst * (1.0 - loss) <= 1.0:
-            return _uniform(draws.loss) < loss
-        return self._in_burst(seq, loss, burst)
-
-    def _in_burst(self, seq: int, loss: float, burst: float) -> bool:
+    def _in_burst(self, seq: int) -> bool:
         """Gilbert-Elliott: a chain that turns bad with probability p and good with r = 1 / burst, by seq.
 
         Both states see the same draw u of a message: below p it turns bad whatever it was, from 1 - r on it turns
         good, in between it stays (p < 1 - r here). So the last deciding draw settles it, and the state of the
         message before, where it is known, only saves looking back.
         """
+        loss, burst = self._fault.loss, self._fault.burst
         r = 1.0 / burst
         p = loss * r / (1.0 - loss)
         known, *model, state = self._chain
         warm = model == [loss, burst] and known < seq
         first = known + 1 if warm else max(0, seq - MEMORY)
         for back in range(seq, first - 1, -1):
-            u = _uniform(self._draws(back).loss)
+            u = _uniform(self._words(back)[LOSS])
             if u < p or u >= 1.0 - r:
                 state = u < p
                 break
         else:
             if not warm:
-                state = _uniform(self._draws(first).stationary) < loss
+                state = _uniform(self._words(first)[STATIONARY]) < loss
         self._chain = (seq, loss, burst, state)
         return state
 
-    def _draws(self, seq: int) -> _Draws:
+    def _words(self, seq: int) -> tuple[int, ...]:
+        """A message's random words."""
         if self._hash is None:
             self._hash = hashlib.blake2b(key=self._key, digest_size=64)
         drawn = self._hash.copy()
         drawn.update(_SEQ.pack(seq))
-        return _Draws._make(_WORDS.unpack(drawn.digest()))
+        return _WORDS.unpack(drawn.digest())
 
 
 def _uniform(word: int) -> float:

@@ -1,5 +1,7 @@
 """The base of everything that is read from a scenario file: frozen, strict about unknown keys."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -65,3 +67,8 @@ def time_of(name: str, value: object) -> float:
         return _Seconds.model_validate({"seconds": value}).seconds
     except ValidationError as error:
         raise EchelonError(f"{name}: {problems(error, _Seconds)[0].partition(': ')[2]}") from None
+
+
+def next_of(times: Iterable[float | None], now: float) -> float:
+    """The first of these times that is still to come [s], less what rounding may be off; inf if none is."""
+    return min((time - 1e-9 for time in times if time is not None and now < time - 1e-9), default=math.inf)

@@ -32,16 +32,25 @@ class CommandLinks:
         for link in self._links.values():
             link.fault = faults.get(link.id, PERFECT)
 
-    def take(self, robot: int, command: Command | None, now: float) -> tuple[float, float]:
-        """A robot's command of this tick enters its link, if there is one; the input (v, omega) that it acts on now.
+    def take(self, commands: Mapping[int, Command], now: float) -> list[tuple[float, float]]:
+        """The commands of this tick enter their links; the inputs (v, omega) that the robots act on now, in order.
 
-        That is the newest command that the link has delivered, or zeros while the watchdog holds the robot.
+        Each acts on the newest command that its link has delivered, or on zeros while the watchdog holds it.
         """
+        newest, fresh, acted = self._newest, self._fresh, []
+        for robot, link in self._links.items():
+            command = commands.get(robot)
+            if command is not None and link.transparent:
+                newest[robot], fresh[robot] = command, now
+                self.held.discard(robot)
+                acted.append((command.v, command.omega))
+            else:
+                acted.append(self._carried(robot, command, now))
+        return acted
+
+    def _carried(self, robot: int, command: Command | None, now: float) -> tuple[float, float]:
+        """The same of one robot whose command may be late, lost or absent."""
         link = self._links[robot]
-        if command is not None and link.transparent:
-            self._newest[robot], self._fresh[robot] = command, now
-            self.held.discard(robot)
-            return command.v, command.omega
         if command is not None:
             link.push(command.seq, command.stamp, command)
         for arrival in link.pop(now):

@@ -1,5 +1,6 @@
 """The fault of every link at every tick: the scenario's own, its schedule, and what users set live."""
 
+import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from formation.errors import EchelonError, FaultError
 from formation.faults import PERFECT, Fault, ScheduledFault, with_changes
 from formation.link_ids import LinkId, every_link, links_named, plan_links
 from formation.scenario.scenario import Scenario
-from formation.schema import time_of
+from formation.schema import next_of, time_of
 
 KEPT_CHANGES = 5000
 """Fault tables that are kept of an episode, for a ghost that repeats it."""
@@ -42,6 +43,8 @@ class FaultState:
     """Scheduled faults (by index) that users ended on a link."""
     _active: tuple[int, ...] | None = None
     """Scheduled faults that the table was computed from; None if it must be computed anew."""
+    due: float = -math.inf
+    """Before this time `update` has nothing to do [s]."""
     _imposed: Mapping[LinkId, Fault] | None = None
     """In a world that repeats another's faults: their table."""
     away: frozenset[int] = frozenset()
@@ -52,8 +55,10 @@ class FaultState:
 
     def update(self, now: float) -> list[tuple[LinkId, Fault]]:
         """Update the table to time `now` [s]. Returns the links that changed, with what they have now."""
-        if self._active == () and not self._wishes and not self.scenario.faults:
+        if now < self.due:
             return []
+        ends = [*(entry.at for entry in self.scenario.faults), *(entry.until for entry in self.scenario.faults)]
+        self.due = next_of([*ends, *(wish.until for wish in self._wishes)], now)
         wishes = [wish for wish in self._wishes if wish.until is None or now < wish.until - 1e-9]
         active = tuple(i for i, entry in enumerate(self.scenario.faults) if _on(entry, now))
         if active == self._active and len(wishes) == len(self._wishes):
@@ -80,7 +85,12 @@ class FaultState:
 
     def close_over(self, away: frozenset[int]) -> None:
         """From the next update on the ring is closed over these robots."""
-        self.away, self._active = away, None
+        self.away = away
+        self._compute_anew()
+
+    def _compute_anew(self) -> None:
+        """At the next update."""
+        self._active, self.due = None, -math.inf
 
     def _made_of(self, active: tuple[int, ...]) -> dict[LinkId, Fault]:
         size, both = self.scenario.size, self._both
@@ -113,7 +123,7 @@ class FaultState:
             with_changes(self.table.get(name, PERFECT), changes)
         self._wishes = [*self._wishes, *(_Wish(name, dict(changes), end) for name in links)]
         self._merge()
-        self._active = None
+        self._compute_anew()
 
     def _merge(self) -> None:
         """Merge consecutive lasting changes of a link, so that a moved slider does not accumulate them."""
@@ -142,11 +152,12 @@ class FaultState:
         self._wishes = [wish for wish in self._wishes if wish.link not in links]
         running = [index for index, entry in enumerate(self.scenario.faults) if _on(entry, now)]
         self._cancelled |= {(index, name) for index in running for name in links}
-        self._active = None
+        self._compute_anew()
 
     def impose(self, table: Mapping[LinkId, Fault]) -> None:
         """Use exactly these faults of another world from now on, whatever is scheduled."""
-        self._imposed, self._active = table, None
+        self._imposed = table
+        self._compute_anew()
 
     def since(self, known: int) -> list[tuple[float, Mapping[LinkId, Fault]]]:
         """The tables of this episode from number `known` on, as many as have room, each with the time of its start [s].
@@ -170,7 +181,7 @@ class FaultState:
         """Start a new episode: the whole schedule applies again; what users set without an end stays."""
         self._cancelled.clear()
         self._wishes = [wish for wish in self._wishes if wish.until is None]
-        self._active = None
+        self._compute_anew()
         self._history.clear()
         self.changes = 0
 

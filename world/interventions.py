@@ -1,5 +1,6 @@
 """What is done to the robots: disturbances of the scenario and of users, and shapes that users ordered."""
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from itertools import islice
@@ -9,6 +10,7 @@ from formation.disturbances import Disturbance
 from formation.errors import EchelonError
 from formation.formation_spec import Change
 from formation.scenario.scenario import Scenario
+from formation.schema import next_of
 from network.values import Intervention, Pushed
 from world.bodies.interface import Bodies, Disturbed
 
@@ -36,6 +38,8 @@ class Interventions:
         """Localisation is so late [s]: what was blind then still counts."""
         self.acting: tuple[Disturbance, ...] = ()
         """The disturbances that act now."""
+        self.due = -math.inf
+        """Before this time `update` has nothing to do [s]."""
         self.changes: list[Change] = []
         """Of the shape, by users and with the ring."""
         self.count = 0
@@ -79,7 +83,7 @@ class Interventions:
 
     def _set(self, disturbances: tuple[Disturbance, ...]) -> None:
         if isinstance(self._bodies, Disturbed) and disturbances != self._all:
-            self._all = disturbances
+            self._all, self.due = disturbances, -math.inf
             self._bodies.disturb(disturbances)
 
     def _note(self, k: int, kind: Any, value: dict[str, Any]) -> None:
@@ -88,8 +92,9 @@ class Interventions:
 
     def update(self, now: float) -> list[tuple[str, bool]]:
         """What begins and what ends at `now` [s]: a line each, and whether it begins."""
-        if not self._all and not self.acting:
+        if now < self.due:
             return []
+        self.due = next_of([time for entry in self._all for time in (entry.at, entry.until)], now)
         before, self.acting = self.acting, tuple(entry for entry in self._all if entry.on(now))
         if before == self.acting:
             return []

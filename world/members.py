@@ -1,6 +1,6 @@
 """Who takes part in the ring: by the scenario, by users, and by the patience with agents that are gone."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from formation.errors import EchelonError
 from formation.scenario.membership import LEAST
@@ -13,6 +13,7 @@ class Members:
     def __init__(self, scenario: Scenario) -> None:
         self._size, self._tick = scenario.size, scenario.control_interval
         self._plan, self._patience = scenario.membership, scenario.membership.patience
+        self._changes = bool(self._plan.changes)
         self._scheduled: frozenset[int] = frozenset()
         self._asked: set[int] = set()
         """Away because a user wanted it."""
@@ -24,16 +25,15 @@ class Members:
         self.away: frozenset[int] = frozenset()
         """Robots that are not in the ring."""
 
-    def look(self, k: int, live: Iterable[int]) -> None:
+    def look(self, k: int, live: Collection[int]) -> None:
         """It is tick k, and these robots have an agent: who is away follows in `away`."""
         if self._repeats:
             return
-        live, scheduled = set(live), self._plan.away(k * self._tick) if self._plan.changes else self._scheduled
-        if scheduled == self._scheduled and len(live) == self._size and not self._lost:
-            self._gone_at.clear()
+        scheduled = self._plan.away(k * self._tick) if self._changes else self._scheduled
+        if scheduled == self._scheduled and len(live) == self._size and not (self._lost or self._gone_at):
             return
         self._scheduled = scheduled
-        gone = set(range(1, self._size + 1)) - live if live else set()  # nobody is here: the run waits
+        gone = set(range(1, self._size + 1)).difference(live) if live else set()  # nobody is here: the run waits
         self._gone_at = {robot: self._gone_at.get(robot, k) for robot in gone}
         self._lost &= gone
         for robot in sorted(gone - self._lost):

@@ -56,27 +56,39 @@ class World(Episode):
     def advance(self, commands: Mapping[int, Command]) -> None:
         """Step by one tick, with the commands that were received for this one."""
         now = self.now
-        self.inputs = inputs = np.array([self._commands.take(robot, commands.get(robot), now) for robot in self.robots])
+        acted = self._commands.take(commands, now)
+        self.inputs = inputs = np.array(acted)
         for text, severity in self._commands.reports():
             self.event("watchdog", text, severity)
         self.plant.move(inputs)
-        if self.trace:
-            self.trace.add(self.plant.poses, inputs, commands)
-        for text, severity in self.convergence.reports(commands, now):
-            self.event("agent", text, severity)
-        for text in self.at_limits.reports(commands, now):
-            self.event("avoidance", text)
-        self._planned = sorted([robot for robot, command in commands.items() if command.planned])
-        self.at_limits.add(inputs, self.plant.poses)
+        self._note(commands, acted, now)
         self.k += 1
-        self._look()
         self._tick = None
+        self._look()
         self._drive()
         self.members.look(self.k, self.live)
         self._close_ring()
-        self._apply_faults()
-        self._note_pushes()
+        self._act(self.now)
         self._keep_ledger(commands)
+
+    def _note(self, commands: Mapping[int, Command], acted: list[tuple[float, float]], now: float) -> None:
+        """Keep what robots did at a tick that began at `now` [s]: their commands, and the inputs that they acted on."""
+        planned = [robot for robot, command in commands.items() if command.planned]
+        if self.trace:
+            self.trace.add(self.plant.poses, self.inputs, commands, planned)
+        for text, severity in self.convergence.reports(commands, planned, now):
+            self.event("agent", text, severity)
+        for text in self.at_limits.reports(commands, now):
+            self.event("avoidance", text)
+        self._planned = sorted(planned)
+        self.at_limits.add(acted, self.plant.poses)
+
+    def _act(self, now: float) -> None:
+        """Begin and end what is due at `now` [s]: faults and disturbances."""
+        if now >= self.faults.due:
+            self._apply_faults()
+        if now >= self.interventions.due:
+            self._note_pushes()
 
     def _apply_faults(self) -> None:
         changed = self.faults.update(self.now)

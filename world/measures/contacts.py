@@ -14,7 +14,7 @@ from network.messages import Command
 
 RELEASE = 0.002
 """Two bodies that touch have to part by so much before they can come to touch again [m]: noise is not a contact."""
-FEW, CROWD = 4, 64
+FEW, CROWD = 12, 64
 """So few bodies are compared one by one; of more than so many, only those that are near each other."""
 AT_LIMIT = 1e-9
 """A command so close to a limit stands at it [m/s, rad/s]."""
@@ -33,7 +33,7 @@ class Contacts:
         self._pairs = np.triu_indices(self._n, k=1) if self._n <= CROWD else None
         sums = self._sums(*self._pairs) if self._pairs else 2.0 * self._radii
         self._alike = float(sums[0]) if np.all(sums == sums[0]) else None
-        self._touching: IntArray = np.zeros(0, dtype=int)
+        self._touching: set[int] = set()
         """Pairs of rows i, j as i n + j."""
         self._tightest = 0, 1
         """Rows of the pair that had the least gap."""
@@ -46,7 +46,7 @@ class Contacts:
 
     def look(self, poses: FloatArray) -> list[tuple[int, int]]:
         """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
-        if self._alike is not None and not len(self._touching) and self._n <= CROWD:
+        if self._alike is not None and not self._touching and self._n <= CROWD:
             nearest = self._nearest(poses)
             if nearest - self._alike >= RELEASE:
                 self.clearance, self.gap = min(self.clearance, nearest), min(self.gap, nearest - self._alike)
@@ -57,14 +57,12 @@ class Contacts:
         least = int(gap.argmin())
         self._tightest = int(one[least]), int(other[least])
         self.clearance, self.gap = min(self.clearance, float(distance.min())), min(self.gap, float(gap[least]))
-        if not len(self._touching) and gap[least] >= RELEASE:
-            return []
-        codes = one * self._n + other
-        held = np.isin(codes, self._touching)
-        new: IntArray = np.sort(codes[(gap < 0.0) & ~held])
-        self._touching = codes[(gap < 0.0) | (held & (gap < RELEASE))]
+        close = np.flatnonzero(gap < RELEASE)
+        codes, gaps, before = (one[close] * self._n + other[close]).tolist(), gap[close].tolist(), self._touching
+        self._touching = {code for code, apart in zip(codes, gaps, strict=True) if apart < 0.0 or code in before}
+        new = sorted(self._touching - before)
         self.count += len(new)
-        return [(code // self._n + 1, code % self._n + 1) for code in new.tolist()]
+        return [(code // self._n + 1, code % self._n + 1) for code in new]
 
     def _near(self, poses: FloatArray) -> tuple[IntArray, IntArray]:
         """Of many bodies: rows of all pairs that may touch, or have the least distance or gap of all."""
@@ -81,9 +79,11 @@ class Contacts:
         if len(poses) > FEW:
             assert self._pairs is not None
             return math.sqrt(_squares(poses, *self._pairs).min())
-        places = poses[:, :2].tolist()
-        squares = [(x - u) * (x - u) + (y - v) * (y - v) for (x, y), (u, v) in combinations(places, 2)]
-        return math.sqrt(min(squares))
+        least = math.inf
+        for (x, y), (u, v) in combinations(poses[:, :2].tolist(), 2):
+            square = (x - u) * (x - u) + (y - v) * (y - v)
+            least = square if square < least else least
+        return math.sqrt(least)
 
     def summary(self) -> dict[str, Any]:
         """For the summary of the episode."""
@@ -92,9 +92,12 @@ class Contacts:
 
 def _squares(poses: FloatArray, one: IntArray, other: IntArray) -> FloatArray:
     """Squared distances of pairs of rows [m2]."""
-    apart = poses.take(one, axis=0) - poses.take(other, axis=0)
-    x, y = apart[:, 0], apart[:, 1]
-    return x * x + y * y
+    places = poses.T[:2].copy()
+    apart = places.take(one, axis=1)
+    apart -= places.take(other, axis=1)
+    apart *= apart
+    squares: FloatArray = apart[0] + apart[1]
+    return squares
 
 
 class AtLimits:
@@ -102,11 +105,11 @@ class AtLimits:
 
     def __init__(self, scenario: Scenario) -> None:
         robots = range(1, scenario.size + 1)
-        self._limits = np.array([_limits(scenario, robot) for robot in robots]) - AT_LIMIT
-        self._few: list[list[float]] = self._limits.tolist()
+        limits = [_limits(scenario, robot) for robot in robots]
+        self._limits = [(v - AT_LIMIT, omega - AT_LIMIT) for v, omega in limits]
         self._arena, self._dt = scenario.bodies.arena, scenario.control_interval
-        self._at_limit, self._outside, self._kept_off = (np.zeros(scenario.size, dtype=int) for _ in range(3))
-        self._kept_at = np.full(scenario.size, -np.inf)
+        self._at_limit, self._outside, self._kept_off = ([0] * scenario.size for _ in range(3))
+        self._kept_at = [-math.inf] * scenario.size
 
     def reports(self, commands: Mapping[int, Command], now: float) -> list[str]:
         """Count the changed commands of a tick; which robot begins to keep off which."""
@@ -119,24 +122,22 @@ class AtLimits:
                 self._kept_off[robot - 1] += 1
         return begun
 
-    def add(self, inputs: FloatArray, poses: FloatArray) -> None:
-        """A tick: the commanded inputs (n, 2) [m/s, rad/s], the poses (n, 3) after it."""
-        few = len(inputs) <= FEW
-        if not few or any(
-            abs(v) >= a or abs(w) >= b for (v, w), (a, b) in zip(inputs.tolist(), self._few, strict=True)
-        ):
-            at = np.abs(inputs) >= self._limits
-            if at.any():
-                self._at_limit += at[:, 0] | at[:, 1]
+    def add(self, inputs: Sequence[tuple[float, float]], poses: FloatArray) -> None:
+        """A tick: the commanded inputs of all robots [m/s, rad/s], the poses (n, 3) after it."""
+        for row, ((v, omega), (v_most, omega_most)) in enumerate(zip(inputs, self._limits, strict=True)):
+            if abs(v) >= v_most or abs(omega) >= omega_most:
+                self._at_limit[row] += 1
         if self._arena is not None:
-            low, high = self._arena[:2], self._arena[2:]
-            self._outside += ((poses[:, :2] < low) | (poses[:, :2] > high)).any(axis=1)
+            left, low, right, high = self._arena
+            for row, (x, y, _) in enumerate(poses.tolist()):
+                if x < left or x > right or y < low or y > high:
+                    self._outside[row] += 1
 
     def summary(self, robot: int) -> dict[str, Any]:
         """Of one robot, for the summary of the episode [s]; None for the arena if there is none."""
-        outside = None if self._arena is None else int(self._outside[robot - 1]) * self._dt
-        at_limit, kept_off = (int(ticks[robot - 1]) * self._dt for ticks in (self._at_limit, self._kept_off))
-        return {"limit_s": at_limit, "kept_off_s": kept_off, "left_arena_s": outside}
+        counts = (self._at_limit, self._kept_off, self._outside)
+        at_limit, kept_off, outside = (ticks[robot - 1] * self._dt for ticks in counts)
+        return {"limit_s": at_limit, "kept_off_s": kept_off, "left_arena_s": None if self._arena is None else outside}
 
 
 def _limits(scenario: Scenario, robot: int) -> tuple[float, float]:

@@ -1,6 +1,6 @@
 """Whether the agents' controllers work, as their commands report it: counts for the summary, changes for the events."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from network.messages import Command
 from network.values import Severity
@@ -20,43 +20,40 @@ class Convergence:
         self._failed_at: dict[int, float] = {}
         self._broken: set[int] = set()
 
-    def reports(self, commands: Mapping[int, Command], now: float) -> list[tuple[str, Severity]]:
-        """Texts of the events that the commands of a tick report; arguments as of `add`."""
-        found: list[tuple[str, Severity]] = []
-        for robot, works in self.add(commands, now):
-            text = "converges again" if works else "does not converge: a fallback drives"
-            found.append((f"robot {robot}: its solver {text}", "info" if works else "error"))
-        for robot, reason in self.broken(commands):
-            found.append((f"robot {robot} stands still and publishes no plan until a reset: {reason}", "error"))
-        return found
-
-    def broken(self, commands: Mapping[int, Command]) -> list[tuple[int, str]]:
-        """Robots whose controller, a user's own, has failed for good at this tick, with the reason."""
-        found = [(i, command.failure) for i, command in commands.items() if command.failure and i not in self._broken]
-        self._broken.update(robot for robot, _ in found)
-        return found
-
-    def add(self, commands: Mapping[int, Command], now: float) -> list[tuple[int, bool]]:
-        """Count the plans of a tick; robots whose solver began to fail (False) or works again (True).
+    def reports(
+        self, commands: Mapping[int, Command], planned: Iterable[int], now: float
+    ) -> list[tuple[str, Severity]]:
+        """Count the plans of a tick; texts of the events that its commands report.
 
         Args:
             commands: of the tick, by robot.
+            planned: robots that made a plan for it.
             now: simulated time [s].
         """
-        changes = []
+        found: list[tuple[str, Severity]] = []
+        plans, failed_at = self.plans, self._failed_at
+        for robot in planned:
+            plans[robot] = plans.get(robot, 0) + 1
+            if not commands[robot].converged or robot in failed_at:
+                found += self._turn(robot, commands[robot].converged, now)
         for robot, command in commands.items():
-            if not command.planned:
-                continue
-            self.plans[robot] = self.plans.get(robot, 0) + 1
-            if not command.converged:
-                self.failures[robot] = self.failures.get(robot, 0) + 1
-                if robot not in self._failed_at:
-                    changes.append((robot, False))
-                self._failed_at[robot] = now
-            elif robot in self._failed_at and now - self._failed_at[robot] >= RECOVERED_SECONDS - 1e-9:
-                del self._failed_at[robot]
-                changes.append((robot, True))
-        return changes
+            if command.failure and robot not in self._broken:
+                self._broken.add(robot)
+                text = f"robot {robot} stands still and publishes no plan until a reset: {command.failure}"
+                found.append((text, "error"))
+        return found
+
+    def _turn(self, robot: int, converged: bool, now: float) -> list[tuple[str, Severity]]:
+        """A plan of a robot whose solver fails, or has failed lately: the event if that begins or is over."""
+        if not converged:
+            self.failures[robot] = self.failures.get(robot, 0) + 1
+            begins = robot not in self._failed_at
+            self._failed_at[robot] = now
+            return [(f"robot {robot}: its solver does not converge: a fallback drives", "error")] if begins else []
+        if now - self._failed_at[robot] < RECOVERED_SECONDS - 1e-9:
+            return []
+        del self._failed_at[robot]
+        return [(f"robot {robot}: its solver converges again", "info")]
 
     def share(self, robot: int) -> float | None:
         """Share of a robot's plans whose solver converged; None before the first plan."""

@@ -26,7 +26,7 @@ HOPS = 2
 """What acts on a robot may cause an excursion so many robots downstream; farther, once it has shown nearer."""
 KEPT, REMEMBERED = 1000, 120.0
 """Excursions that are kept of an episode, and how long a cause that is over can be one [s]."""
-FEW = 8
+FEW = 16
 """Errors of so few robots are looked at one by one."""
 NONE_FOUND = "none found"
 
@@ -131,10 +131,15 @@ class Ledger:
 
     def _all_within(self, poses: FloatArray, slots: FloatArray) -> bool:
         """Whether no error is above the limit, by Python's arithmetic: of few robots faster, and the same bits."""
-        off = [(x - u, y - v) for (x, y, _), (u, v, _) in zip(poses.tolist(), slots.tolist(), strict=True)]
-        before = off[-1:] + off[:-1]
-        gaps = [(x - u, y - v) for (x, y), (u, v) in zip(off, before, strict=True)]
-        return bool(max(x * x + y * y for x, y in gaps) <= self._square_limit)
+        places, wanted, limit = poses.tolist(), slots.tolist(), self._square_limit
+        before_x, before_y = places[-1][0] - wanted[-1][0], places[-1][1] - wanted[-1][1]
+        for (x, y, _), (u, v, _) in zip(places, wanted, strict=True):
+            off_x, off_y = x - u, y - v
+            gap_x, gap_y = off_x - before_x, off_y - before_y
+            if not gap_x * gap_x + gap_y * gap_y <= limit:
+                return False
+            before_x, before_y = off_x, off_y
+        return True
 
     def _update(self, now: float, errors: list[float]) -> list[str]:
         lines = []

@@ -1,7 +1,7 @@
 """The recorded episode, tick by tick, and the summary that `echelon run` prints of it."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,14 +50,16 @@ class Trace:
         """Record the poses (n, 3) at t = 0."""
         self._poses[0] = poses
 
-    def add(self, poses: FloatArray, inputs: FloatArray, commands: Mapping[int, Command]) -> None:
-        """Record a tick: the poses (n, 3) after it, the commanded inputs (n, 2), the agents' commands."""
+    def add(
+        self, poses: FloatArray, inputs: FloatArray, commands: Mapping[int, Command], planned: Iterable[int]
+    ) -> None:
+        """Record a tick: the poses (n, 3) after it, the commanded inputs (n, 2), the agents' commands, who planned."""
         k = self._done
         ages, solves = self._ages[k], self._solves[k]
         for robot, command in commands.items():
             ages[robot - 1] = command.age
-            if command.planned:
-                solves[robot - 1] = command.solve
+        for robot in planned:
+            solves[robot - 1] = commands[robot].solve
         self._poses[k + 1] = poses
         self._inputs[k] = inputs
         self._done = k + 1

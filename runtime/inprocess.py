@@ -11,7 +11,7 @@ from agents.sending import Answer
 from formation.errors import ScenarioError
 from formation.pattern import place
 from formation.scenario.scenario import Scenario
-from network.messages import Plan
+from network.messages import Command, Plan
 from world.measures.trace import Trace
 from world.world import World
 
@@ -113,12 +113,19 @@ class Simulation:
                     agents[robot].receive(plan)
         if self._team:
             self._team.see(tick.seq, world.plant.poses, tick.odometry, world.inputs)
-        answers = {robot: agent.step(tick) for robot, agent in agents.items()}
+        answers: dict[int, Answer] = {}
+        commands: dict[int, Command] = {}
+        plans: list[Plan] = []
+        for robot, agent in agents.items():
+            answers[robot] = answer = agent.step(tick)
+            commands[robot] = answer.command
+            if answer.plan is not None:
+                plans.append(answer.plan)
+        self._plans = plans
         if tick.last:
             for agent in agents.values():
                 world.hear(agent.status(tick.seq, tick.stamp))
-        self._plans = [answer.plan for answer in answers.values() if answer.plan is not None]
-        world.advance({robot: answer.command for robot, answer in answers.items()})
+        world.advance(commands)
         return answers
 
     def simulate(self, progress: Callable[[float], None] | None = None) -> Trace:

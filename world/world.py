@@ -34,22 +34,24 @@ class World(Episode):
     def tick(self) -> Tick:
         """The Tick of now; the same message until `advance`."""
         if self._tick is None:
-            measured = self.plant.measure()
+            k, plant, measured = self.k, self.plant, self.plant.measure()
+            # By place, in the order of network.messages.Tick, as agents make their plans.
             self._tick = _make_tick(
-                sender=WORLD,
-                seq=self.k,
-                stamp=self.now,
-                episode=self.episode,
-                revision=self.revision,
-                odometry=self.plant.odometry,
-                planned=self._planned,
-                measured=measured.tick if measured else None,
-                poses=measured.poses if measured else NO_POSES,
-                localised=measured.localised if measured else [],
-                relatives=measured.relatives if measured else NO_PLACES,
-                last=not self.endless and self.k == self.scenario.ticks - 1,
-                seen=self._sight.see(self.k, self.plant.poses),
-                drive=self.driver.message(self.k) if self.driver else NO_DRIVE,
+                WORLD,
+                k,
+                self.now,
+                self.episode,
+                self.revision,
+                plant.odometry,
+                self._planned,
+                measured.tick if measured else None,
+                measured.poses if measured else NO_POSES,
+                measured.localised if measured else [],
+                measured.relatives if measured else NO_PLACES,
+                not self.endless and k == self.scenario.ticks - 1,
+                [],
+                self._sight.see(k, plant.poses),
+                self.driver.message(k) if self.driver else NO_DRIVE,
             )
         return self._tick
 

@@ -146,7 +146,7 @@ class Scenario(Model):
         """The smallest distance between two neighbours in the ring at the start [m]: the unit of length."""
         return float(self.pattern.distance.min())
 
-    @property
+    @cached_property
     def ticks(self) -> int:
         """Number of control intervals in the duration."""
         return max(1, round(self.duration / self.control_interval))

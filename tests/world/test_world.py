@@ -392,7 +392,7 @@ def test_a_trace_is_full_at_its_last_tick() -> None:
     trace.start(np.zeros((2, 3)))
     for full in (False, True):
         assert not trace.full
-        trace.add(np.zeros((2, 3)), np.zeros((2, 2)), {})
+        trace.add(np.zeros((2, 3)), np.zeros((2, 2)), {}, [])
         assert trace.full is full
 
 

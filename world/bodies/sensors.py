@@ -11,7 +11,7 @@ from formation.bodies.nominal import Nominal
 from formation.disturbances import Disturbance
 from formation.pattern import upstream
 from formation.scenario.scenario import Scenario
-from network.values import NO_PLACES
+from network.values import NO_PLACES, maker
 from world.bodies.draws import CHANCE, LOCALISATION, OUTLIER, RELATIVE, Draws
 
 OUTLIER_HEADING = 0.25
@@ -30,6 +30,9 @@ class Measured:
     """Numbers of the robots whose localisation delivered."""
     relatives: FloatArray
     """(n or 0, 2) position of the upstream neighbour in the own frame [m]; no rows without relative sensing."""
+
+
+_make_measured = maker(Measured)
 
 
 class Sensors:
@@ -82,7 +85,7 @@ class Sensors:
             seen[[robot - 1 for robot in blind if robot <= len(poses)]] = 0.0
         sigma = self._nominal.relative
         relatives = NO_PLACES if sigma is None else read_only(self._related(poses) + sigma * self._relative.at(tick))
-        return Measured(tick, seen if seen is poses else read_only(seen), robots, relatives)
+        return _make_measured(tick, seen if seen is poses else read_only(seen), robots, relatives)
 
     def _related(self, poses: FloatArray) -> FloatArray:
         """(n, 2): where each robot's upstream neighbour is, in its own frame [m]."""

@@ -48,21 +48,23 @@ class Contacts:
         """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
         if self._alike is not None and not self._touching and self._n <= CROWD:
             nearest = self._nearest(poses)
-            if nearest - self._alike >= RELEASE:
-                self.clearance, self.gap = min(self.clearance, nearest), min(self.gap, nearest - self._alike)
+            gap = nearest - self._alike
+            if gap >= RELEASE:
+                if nearest < self.clearance:
+                    self.clearance, self.gap = nearest, gap
                 return []
         one, other = self._pairs or self._near(poses)
         distance = np.sqrt(_squares(poses, one, other))
-        gap = distance - self._sums(one, other)
-        least = int(gap.argmin())
+        gaps = distance - self._sums(one, other)
+        least = int(gaps.argmin())
         self._tightest = int(one[least]), int(other[least])
-        self.clearance, self.gap = min(self.clearance, float(distance.min())), min(self.gap, float(gap[least]))
-        close = np.flatnonzero(gap < RELEASE)
-        codes, gaps, before = (one[close] * self._n + other[close]).tolist(), gap[close].tolist(), self._touching
-        self._touching = {code for code, apart in zip(codes, gaps, strict=True) if apart < 0.0 or code in before}
+        self.clearance, self.gap = min(self.clearance, float(distance.min())), min(self.gap, float(gaps[least]))
+        close, before = np.flatnonzero(gaps < RELEASE), self._touching
+        found = zip((one[close] * self._n + other[close]).tolist(), gaps[close].tolist(), strict=True)
+        self._touching = {pair for pair, gap in found if gap < 0.0 or pair in before}
         new = sorted(self._touching - before)
         self.count += len(new)
-        return [(code // self._n + 1, code % self._n + 1) for code in new]
+        return [(pair // self._n + 1, pair % self._n + 1) for pair in new]
 
     def _near(self, poses: FloatArray) -> tuple[IntArray, IntArray]:
         """Of many bodies: rows of all pairs that may touch, or have the least distance or gap of all."""

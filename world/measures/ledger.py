@@ -5,7 +5,7 @@ robots' places less that of both slots. docs/theory.md, section 9, has the rule 
 """
 
 from collections import deque
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -72,12 +72,15 @@ class Ledger:
         self._causes: list[_Cause] = []
         self._settled = np.zeros(self._n, dtype=bool)
         """Who has been within the limit once: the way to the slots at the start is no excursion."""
-        self._acted: dict[int, Command] = {}
+        self._acted: Mapping[int, Command] = {}
         """The newest command of each robot, with the age of the plan that it acts on."""
         self._told = scenario.path.known_to == "leader"
         """Whether who is cut off from the others does not know the way."""
-        self._away, self._playing, self._since = set[int](), set(range(1, self._n + 1)), np.zeros(self._n)
-        """Robots that are away, those that have an agent and are in the ring, and since when each has been [s]."""
+        self._away: Set[int] = frozenset()
+        self._playing: Set[int] = frozenset(range(1, self._n + 1))
+        """Robots that are away, and those that have an agent and are in the ring."""
+        self._since = np.zeros(self._n)
+        """Since when each of the latter has been so [s]."""
         self._seen: tuple[object, ...] = ()
 
     def look(
@@ -89,8 +92,8 @@ class Ledger:
         commands: Mapping[int, Command],
         faults: Mapping[LinkId, Fault],
         disturbances: tuple[Disturbance, ...],
-        live: Iterable[int],
-        away: Collection[int] = (),
+        live: Set[int],
+        away: frozenset[int] = frozenset(),
     ) -> list[str]:
         """A tick: what is, and what acts, at `now` [s].
 
@@ -107,12 +110,11 @@ class Ledger:
         Returns:
             A line for each excursion that begins or is over.
         """
-        self._acted.update(commands)
-        seen = (faults, disturbances, tuple(live), tuple(away))
-        if seen != self._seen:
-            self._seen = seen
-            self._note_causes(now, faults, disturbances, set(seen[2]))
-            self._note_ring(now, set(away), set(seen[2]) - set(away))
+        self._acted = commands if len(commands) == self._n else {**self._acted, **commands}
+        if self._seen != (faults, disturbances, live, away):
+            self._seen = (faults, disturbances, frozenset(live), away)
+            self._note_causes(now, faults, disturbances, live)
+            self._note_ring(now, away, live - away)
         if self._n <= FEW and not away and not self._open and self._all_within(poses, slots):
             self._settled[:] = True
             return []
@@ -204,7 +206,7 @@ class Ledger:
         return any(one is not None and one.at >= cause.begins for one in shown)
 
     def _note_causes(
-        self, now: float, faults: Mapping[LinkId, Fault], disturbances: tuple[Disturbance, ...], live: set[int]
+        self, now: float, faults: Mapping[LinkId, Fault], disturbances: tuple[Disturbance, ...], live: Set[int]
     ) -> None:
         acting: dict[object, tuple[int, str]] = {
             (link, fault.words()): (link.receiver or link.sender, f"{link}: {fault.words()}")
@@ -221,7 +223,7 @@ class Ledger:
         self._causes += [_Cause(key, robot, text, now) for key, (robot, text) in acting.items() if key not in known]
         self._causes = [cause for cause in self._causes if cause.ends is None or cause.ends >= now - REMEMBERED]
 
-    def _note_ring(self, now: float, away: set[int], playing: set[int]) -> None:
+    def _note_ring(self, now: float, away: Set[int], playing: Set[int]) -> None:
         """Who leaves the ring or joins it moves everybody's neighbours."""
         for robots, does in ((away - self._away, "leaves"), (self._away - away, "joins")):
             self._causes += [_Cause((does, robot), 0, f"robot {robot} {does}", now, now) for robot in sorted(robots)]

@@ -69,9 +69,9 @@ def test_who_was_never_within_the_limit_is_named() -> None:
     slots, poses = task.start.slots[0], task.start.slots[0].copy()
     poses[0, 0] += 0.01
     ledger = Ledger(task)
-    ledger.look(0.01, poses, slots, commands={}, faults={}, disturbances=(), live=[1, 2, 3])
+    ledger.look(0.01, poses, slots, commands={}, faults={}, disturbances=(), live={1, 2, 3})
     assert ledger.summary()["never_within"] == [1, 2], "the one that is off, and the one that hears it"
-    ledger.look(0.02, slots, slots, commands={}, faults={}, disturbances=(), live=[1, 2, 3])
+    ledger.look(0.02, slots, slots, commands={}, faults={}, disturbances=(), live={1, 2, 3})
     assert ledger.summary()["never_within"] == []
 
 
@@ -117,7 +117,7 @@ class Made:
                 commands={},
                 faults=dict(self.faults),
                 disturbances=self.pushes,
-                live=range(1, 7),
+                live={*range(1, 7)},
             )
 
     def cause(self, robot: int) -> str:

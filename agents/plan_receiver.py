@@ -8,7 +8,7 @@ from formation.faults import PERFECT, Fault
 from formation.link_ids import LinkId
 from formation.scenario.scenario import Scenario
 from network.codec import decode, encode
-from network.link import Arrival, Link, damaged
+from network.link import Link, damaged
 from network.messages import Plan
 from network.values import LinkCounts
 
@@ -48,13 +48,15 @@ class PlanReceiver:
 
     def pop(self, now: float) -> bool:
         """Take what the link delivers until `now` [s]; whether the newest plan has changed."""
-        before = self.belief.plan
+        belief = self.belief
+        before = belief.plan
         for arrival in self._link.pop(now):
-            try:
-                self.belief.receive(_read(arrival))
-            except WireError:
+            plan = arrival.message if arrival.damage is None else _read(arrival.message, arrival.damage)
+            if plan is None:
                 self._corrupt += 1
-        return self.belief.plan is not before
+            else:
+                belief.receive(plan)
+        return belief.plan is not before
 
     def counts(self) -> LinkCounts:
         """What became of the plans sent over this link, those included that the real network lost."""
@@ -70,8 +72,9 @@ class PlanReceiver:
         )
 
 
-def _read(arrival: Arrival[Plan]) -> Plan:
-    """The plan that arrived. Raises WireError if its bytes were damaged."""
-    if arrival.damage is None:
-        return arrival.message
-    return decode(Plan, damaged(encode(arrival.message), arrival.damage))
+def _read(sent: Plan, damage: float) -> Plan | None:
+    """The plan that arrived with flipped bytes; None if they cannot be read."""
+    try:
+        return decode(Plan, damaged(encode(sent), damage))
+    except WireError:
+        return None

@@ -135,7 +135,7 @@ class Link(Generic[T]):
         heap = self._heap
         if not heap:
             return []
-        self._looked = max(self._looked, now)
+        self._looked = now if now > self._looked else self._looked
         if self._fault.rate != self._rate:
             self._queue_anew(self._looked)
             heap = self._heap
@@ -144,7 +144,8 @@ class Link(Generic[T]):
             due.append(heapq.heappop(heap)[2])
         if due:
             self._delivered += len(due)
-            self._popped = max(self._popped, due[-1].due)
+            last = due[-1].due
+            self._popped = last if last > self._popped else self._popped
         return due
 
     def _carry(self, departure: float, delay: float, arrival: Arrival[T]) -> None:

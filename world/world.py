@@ -68,8 +68,6 @@ class World(Episode):
         self._tick = None
         self._look()
         self._drive()
-        self.members.look(self.k, self.live)
-        self._close_ring()
         self._act(self.now)
         self._keep_ledger(commands)
 
@@ -86,7 +84,10 @@ class World(Episode):
         self.at_limits.add(acted, self.plant.poses)
 
     def _act(self, now: float) -> None:
-        """Begin and end what is due at `now` [s]: faults and disturbances."""
+        """Begin and end what is due at `now` [s]: membership of the ring, faults and disturbances."""
+        self.members.look(self.k, self.live)
+        if self.members.away != self.away:
+            self._close_ring()
         if now >= self.faults.due:
             self._apply_faults()
         if now >= self.interventions.due:

@@ -107,16 +107,17 @@ class WheeledBodies:
         acting = self._queue.popleft()
         drive, cap, drift, slip = self._disturbed()
         noise = self._noise() if self._slips or any(slip) else None
-        made = []
-        for i, (body, share, v_most, more) in enumerate(zip(self._bodies, drive, cap, slip, strict=True)):
+        made, wheels = [], self._wheels
+        for i, body in enumerate(self._bodies):
             _, _, (_, omega_most), (gain, turn_gain), offset, own_slip, gyro, exact = body
+            share, v_most = drive[i], cap[i]
             v, omega = wanted = acting[i]
             if not (-v_most <= v <= v_most and -omega_most <= omega <= omega_most):
                 wanted = [min(max(v, -v_most), v_most), min(max(omega, -omega_most), omega_most)]
-            self._wheels[i] = speeds = wanted if exact else _spun(body, self._wheels[i], wanted)
+            wheels[i] = speeds = wanted if exact else _spun(body, wheels[i], wanted)
             v, omega = speeds[0] * gain, speeds[1] * turn_gain
             if noise is not None:
-                slipped, (along, turning, drifting) = own_slip + more, noise[i]
+                slipped, (along, turning, drifting) = own_slip + slip[i], noise[i]
                 v, omega = v * (1.0 + slipped * along), omega * (1.0 + slipped * turning) + gyro * drifting
             made.append((v * share, (omega + offset) * share))
         if self._gusts.blow:

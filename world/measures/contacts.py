@@ -45,7 +45,7 @@ class Contacts:
         """Least distance of two bodies so far [m]; negative if they overlapped."""
 
     def look(self, poses: FloatArray) -> list[tuple[int, int]]:
-        """The bodies are at poses (n, 2 or more); pairs (numbers, from 1) that have come to touch."""
+        """The bodies are at poses (n, 3); pairs (numbers, from 1) that have come to touch."""
         if self._alike is not None and not self._touching and self._n <= CROWD:
             nearest = self._nearest(poses)
             gap = nearest - self._alike
@@ -82,7 +82,7 @@ class Contacts:
             assert self._pairs is not None
             return math.sqrt(_squares(poses, *self._pairs).min())
         least = math.inf
-        for (x, y), (u, v) in combinations(poses[:, :2].tolist(), 2):
+        for (x, y, _), (u, v, _) in combinations(poses.tolist(), 2):
             square = (x - u) * (x - u) + (y - v) * (y - v)
             least = square if square < least else least
         return math.sqrt(least)

@@ -70,8 +70,8 @@ class Ledger:
         """Of an excursion that goes on: since when the error has been below the limit."""
         self._closed: deque[Excursion] = deque(maxlen=KEPT)
         self._causes: list[_Cause] = []
-        self._settled = np.zeros(self._n, dtype=bool)
-        """Who has been within the limit once: the way to the slots at the start is no excursion."""
+        self._never_within = set(range(1, self._n + 1))
+        """Who has not been within the limit yet: the way to the slots at the start is no excursion."""
         self._acted: Mapping[int, Command] = {}
         """The newest command of each robot, with the age of the plan that it acts on."""
         self._told = scenario.path.known_to == "leader"
@@ -116,7 +116,7 @@ class Ledger:
             self._note_causes(now, faults, disturbances, live)
             self._note_ring(now, away, live - away)
         if self._n <= FEW and not away and not self._open and self._all_within(poses, slots):
-            self._settled[:] = True
+            self._never_within.clear()
             return []
         off = poses[:, :2] - slots[:, :2]
         for robot in away:
@@ -124,12 +124,14 @@ class Ledger:
         gap = off - off.take(self._before, axis=0)
         square = (gap * gap).sum(axis=1)
         if square.max() <= self._square_limit:
-            self._settled[:] = True
+            self._never_within.clear()
             if not self._open:
                 return []
-        above = square > self._square_limit
-        self._settled |= ~above
-        return self._update(now, np.sqrt(square * self._settled).tolist())
+        errors = np.sqrt(square)
+        if self._never_within:
+            self._never_within &= set((np.flatnonzero(square > self._square_limit) + 1).tolist())
+            errors[[robot - 1 for robot in self._never_within]] = 0.0
+        return self._update(now, errors.tolist())
 
     def _all_within(self, poses: FloatArray, slots: FloatArray) -> bool:
         """Whether no error is above the limit, by Python's arithmetic: of few robots faster, and the same bits."""
@@ -255,7 +257,7 @@ class Ledger:
         """For the summary of the episode."""
         return {
             "excursion_limit_m": self.limit,
-            "never_within": (np.flatnonzero(~self._settled) + 1).tolist(),
+            "never_within": sorted(self._never_within),
             "excursions": [
                 {
                     "t": one.at,

@@ -27,6 +27,8 @@ T = TypeVar("T")
 _SEQ, _WORDS = struct.Struct("<q"), struct.Struct("<8Q")
 LOSS, JITTER, DUPLICATE, REORDER, CORRUPT, COPY_JITTER, PLACE, STATIONARY = range(8)
 """Which of a message's random words decides what; `_uniform` makes a number in [0, 1) of one that a fault asks for."""
+UNUSED = (0,) * 8
+"""Words for a fault that leaves nothing to chance."""
 
 
 class Arrival(NamedTuple, Generic[T]):
@@ -97,6 +99,7 @@ class Link(Generic[T]):
     @fault.setter
     def fault(self, fault: Fault) -> None:
         self._fault = PERFECT if fault is PERFECT or fault == PERFECT else fault
+        self._random = any((fault.loss, fault.jitter, fault.duplicate, fault.reorder, fault.corrupt))
         self._bursts = 0.0 < fault.loss < 1.0 and fault.burst * (1.0 - fault.loss) > 1.0
         if fault.rate != self._rate and not self._heap:  # nothing waits; what waits is seen to when it is known when
             self._queue_anew(self._looked)
@@ -115,7 +118,7 @@ class Link(Generic[T]):
         if fault is PERFECT:
             self._carry(sent, 0.0, Arrival(seq, sent, sent, message, None))
             return
-        words = self._words(seq)
+        words = self._words(seq) if self._random else UNUSED
         lost = fault.cut or (self._in_burst(seq) if self._bursts else _uniform(words[LOSS]) < fault.loss)
         departure = None if lost else self._departure(sent) if fault.rate else sent
         if departure is None:

@@ -136,6 +136,13 @@ def test_a_message_that_is_due_on_a_tick_comes_on_that_tick_despite_rounding() -
 # ---------------------------------------------------------------- single faults
 
 
+def test_a_link_that_leaves_nothing_to_chance_delays_or_cuts() -> None:
+    arrivals = run(Link(0, LinkId(1, 2), Fault(latency=0.05)), range(50))
+    assert [a.seq for a in arrivals] == list(range(50))
+    assert all(a.due == a.sent + 0.05 and a.damage is None for a in arrivals)
+    assert not received(Fault(latency=0.05, cut=True), range(50))
+
+
 @given(st.integers(0, 2**32), st.integers(0, 10**9))
 def test_a_perfect_link_is_transparent(seed: Any, seq: Any) -> None:
     link: Link[int] = Link(seed, LinkId(1, 2))

@@ -54,6 +54,19 @@ def simulated(scenario: Scenario, orders: Mapping[int, Operation] = ALL, *, endl
     return simulation
 
 
+def test_what_acts_is_known_at_every_tick_though_it_is_looked_up_when_it_is_due() -> None:
+    pushes = [{"robot": 1, "at": 0.29, "until": 0.57, "drive": 0.5}, {"robot": 2, "at": 0.35, "drive": 0.8}]
+    world = World(circle(disturbances=pushes))
+    for k in range(80):
+        if k == 40:
+            world.intervene(Push(robot=3, kind="gust", seconds=0.07))
+        elif k == 60:
+            world.intervene(Release(robot=2))
+        acting = [entry for entry in world.interventions._all if entry.on(world.now)]
+        assert list(world.interventions.acting) == acting
+        world.advance({})
+
+
 @pytest.fixture(scope="module")
 def whole() -> Simulation:
     return simulated(circle())

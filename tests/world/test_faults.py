@@ -211,6 +211,32 @@ def test_an_update_tells_every_link_that_changed_once() -> None:
     assert faults.update(2.01) == []
 
 
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 60), st.integers(1, 30), st.sampled_from(["1->2", "all", "world->3"])), max_size=4
+    ),
+    st.tuples(st.integers(0, 40), st.integers(1, 20)),
+)
+def test_a_table_that_is_updated_when_it_is_due_is_right_at_every_tick(
+    entries: list[tuple[int, int, str]], wish: tuple[int, int]
+) -> None:
+    keys = [
+        {"at": at / 100, "until": (at + lasts) / 100, "link": link, "loss": (index + 1) / 10}
+        for index, (at, lasts, link) in enumerate(entries)
+    ]
+    patient, at_every_tick = state(*keys, latency=0.1), state(*keys, latency=0.1)
+    for k in range(100):
+        now = k * 0.01
+        for faults in (patient, at_every_tick):
+            if k == wish[0]:
+                faults.change("2->3", {"cut": True}, (k + wish[1]) / 100, now)
+        at_every_tick.due = 0.0
+        at_every_tick.update(now)
+        if now >= patient.due:
+            patient.update(now)
+        assert patient.table == at_every_tick.table
+
+
 # ---------------------------------------------------------------- layers
 
 

@@ -36,6 +36,8 @@ DURATION = 24.0
 STUCK, FREE = 4.0, 14.0
 """In every second run a robot that is drawn does not move in this time [s]."""
 WITHIN, PROGRESS = 0.25, 0.9
+NEAR = 0.01
+"""Places that are nearer than so many spacings are the same."""
 ORDERS = [[0.0, 0.1, 0.2]]
 """Of the path that is driven: a circle."""
 EVERY = 4
@@ -129,11 +131,11 @@ def trial(case: Case, arm: str, duration: float = DURATION) -> dict[str, Any]:
 
 
 def made(scenario: Scenario, poses: Any) -> float:
-    """The time of the path at whose place the centre of the formation is at the end [s]."""
+    """The (last) time at which the reference's centre is where the formation's is at the end [s]."""
     times = np.arange(0.0, scenario.duration + 0.05, 0.05)
     way = scenario.reference().centre(times)
     gap = np.linalg.norm(way[:, :2] - poses[-1, :, :2].mean(axis=0), axis=1)
-    return float(times[int(np.argmin(gap))])
+    return float(times[np.flatnonzero(gap <= gap.min() + NEAR * scenario.spacing)[-1]])
 
 
 def clean(row: dict[str, Any]) -> bool:

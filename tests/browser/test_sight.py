@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 pytestmark = [pytest.mark.browser, pytest.mark.processes]
-LEAST = 26
-"""A body is never shorter on the screen [px]."""
+LEAST, LENGTH = 26, 0.55 * 0.12
+"""A body is never shorter on the screen [px]; how long it is in this scenario [m]."""
 OVERLAY = """() => {
   const box = e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; };
   const all = name => [...document.querySelectorAll("#e-overlay " + name)].filter(
@@ -76,7 +76,7 @@ def test_far_away_bodies_keep_a_least_size_and_their_numbers(page: Driven) -> No
     page.press("Fit")
     page.until(lambda: overlay(page)["scale"] > 1.0, "larger bodies")
     page.until(lambda: numbers_fit(page), "numbers on their robots")
-    tips = [page.pixel(page.bodies()[0] + [overlay(page)["scale"] * dx, 0.0, 0.0])[0] for dx in (0.0, 0.055)]
+    tips = [page.pixel(page.bodies()[0] + [overlay(page)["scale"] * dx, 0.0, 0.0])[0] for dx in (0.0, LENGTH)]
     assert np.hypot(*(tips[1] - tips[0])) == pytest.approx(LEAST, abs=3.0)
     page.press("Follow")
     page.until(lambda: overlay(page)["scale"] == pytest.approx(1.0), "bodies of their own size")

@@ -27,6 +27,8 @@ _SIGNATURE = struct.pack("<I", len(_COMPRESSION)) + _COMPRESSION
 _SIGNATURE_AT = _RECORD.size + _CHUNK.size - 4
 """Where a chunk has it."""
 _FOOTER_BYTES = _RECORD.size + 20 + len(MCAP0_MAGIC)
+_IN_CHUNKS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+"""What is nowhere else before the summary: elsewhere it is another record with a damaged first byte, and has no CRC."""
 MAX_CHUNK = 1 << 28
 """A chunk whose records are said to be larger is damaged [bytes]."""
 
@@ -119,6 +121,8 @@ class _Scan:
         while at < len(self._data) and not self._over:
             try:
                 opcode, content, after = self._record(at)
+                if opcode in _IN_CHUNKS:
+                    raise _DamagedError
                 yield from list(self._read(opcode, content))
             except (_DamagedError, McapError, struct.error, ValueError, KeyError, zstandard.ZstdError):
                 after = self._next(at)

@@ -116,9 +116,10 @@ def test_what_is_packed_arrives_as_it_would_alone(pair: tuple[ZenohBus, ZenohBus
             time.sleep(0.002)
         for robot, one in enumerate(kept, 1):
             found = [decode(Command, sample.payload) for sample in heard(one, 30)]
-            assert [message.seq for message in found] == list(range(run, run + 30))
+            seqs = [message.seq - run for message in found]
+            assert seqs == (list(range(30)) if reliable else sorted(set(seqs))), "what is not reliable may be lost"
             assert {message.sender for message in found} == {robot}
-            assert [len(message.failure) for message in found] == [17 * seq * robot % 4000 for seq in range(30)]
+            assert [len(message.failure) for message in found] == [17 * seq * robot % 4000 for seq in seqs]
 
 
 def test_what_is_packed_does_not_wait_for_more(pair: tuple[ZenohBus, ZenohBus]) -> None:

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
+from mcap.writer import MCAP0_MAGIC
 
 from formation.errors import EchelonError
 from records.export import ERRORS, POSES, export
@@ -73,6 +75,19 @@ def test_damage_in_the_middle_costs_its_chunks_and_no_more(whole: Path, share: f
     left = iter(all_of_them)
     assert all(message in left for message in kept), "what is kept is in the order of the record, and unchanged"
     assert counted(new) == done.messages == len(kept)
+
+
+@pytest.mark.parametrize("opcode", [Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE])
+def test_an_index_that_is_taken_for_what_chunks_hold_is_damage(whole: Path, opcode: int) -> None:
+    """Nothing guards the first byte of a record outside chunks; one flipped bit makes a message of a message's index."""
+    data, at = bytearray(whole.read_bytes()), len(MCAP0_MAGIC)
+    while data[at] != Opcode.MESSAGE_INDEX:
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    data[at] = opcode
+    broken = whole.with_name("broken.mcap")
+    broken.write_bytes(data)
+    assert items(broken) == items(whole)
+    assert sum(isinstance(item, Damage) for item in scan(broken)) == 1
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_damage_in_the_middle_costs_its_chunks_and_no_more(whole: Path, share: f
 
 @pytest.mark.parametrize("opcode", [Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE])
 def test_an_index_that_is_taken_for_what_chunks_hold_is_damage(whole: Path, opcode: int) -> None:
-    """Nothing guards the first byte of a record outside chunks; one flipped bit makes a message of a message's index."""
+    """Nothing guards the first byte of a record outside chunks; a flipped bit makes a message of an index."""
     data, at = bytearray(whole.read_bytes()), len(MCAP0_MAGIC)
     while data[at] != Opcode.MESSAGE_INDEX:
         at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")

@@ -41,14 +41,15 @@ def nothing(*_: Any) -> None:
     """No progress."""
 
 
-def workers_alive() -> list[int]:
-    """Pool workers of this process that still run."""
+def workers_left() -> list[int]:
+    """Pool workers of this process that still run some seconds later: who has been ended takes a moment to be gone."""
     found = []
     for child in psutil.Process().children(recursive=True):
         with contextlib.suppress(psutil.Error):
             if "spawn_main" in " ".join(child.cmdline()) and child.status() != psutil.STATUS_ZOMBIE:
-                found.append(child.pid)
-    return found
+                found.append(child)
+    _, alive = psutil.wait_procs(found, timeout=10.0)
+    return [child.pid for child in alive]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -58,7 +59,7 @@ def test_results_are_in_the_order_of_the_work_and_no_worker_is_left(workers: Any
         results = pool.finish(work, journal, pool.local(workers), nothing)
         assert set(journal.results) == {"1", "2", "3"}
     assert results == [{"square": square} for square in (9, 1, 4, 9)]
-    assert not workers_alive()
+    assert not workers_left()
 
 
 def test_what_is_in_the_journal_is_not_done_again(tmp_path: Any) -> None:
@@ -93,7 +94,7 @@ def test_work_that_fails_is_named_and_the_others_are_kept(tmp_path: Any) -> None
     with Journal(tmp_path) as journal, pytest.raises(EchelonError, match=r"^square -7 failed: ValueError: negative$"):
         pool.finish(work, journal, pool.local(1), nothing)
     assert set(journal.results) == {"1", "2"}
-    assert not workers_alive()
+    assert not workers_left()
 
 
 # ---------------------------------------------------------------------- clusters that are not there
